@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <numbers>
 #include <optional>
@@ -199,17 +199,13 @@ class Baking {
 
   /// Level 0, a tile for some rows of all that lies one after the other in memory.
   static void copy_level(const Cubemap& from, Cubemap& to, const Control& control) {
-    const std::size_t row = 3 * static_cast<std::size_t>(from.size());
-    const std::size_t rows = 6 * static_cast<std::size_t>(from.size());
-    const std::size_t tile_rows = std::max<std::size_t>(1, (std::size_t{1} << 16U) / row);
-    const auto placement = jobs::placement_for(static_cast<std::int64_t>(rows * row / 3));
-    jobs::run_tiles((rows + tile_rows - 1) / tile_rows, placement, jobs::worker_count(placement), control,
-                    [&](std::size_t tile, std::size_t) {
-                      const std::size_t first = tile * tile_rows;
-                      const std::size_t count = std::min(tile_rows, rows - first);
-                      std::memcpy(to.face(0, 0) + first * row, from.face(0, 0) + first * row,
-                                  count * row * sizeof(float));
-                    });
+    const std::ptrdiff_t values = std::ptrdiff_t{3} * from.size();
+    const int tile_rows = std::max(1, (1 << 16) / (3 * from.size()));
+    const auto placement = jobs::placement_for(std::int64_t{6} * from.size() * from.size());
+    jobs::run_rows(6 * from.size(), tile_rows, placement, jobs::worker_count(placement), control,
+                   [&](int row, std::size_t) {
+                     std::copy_n(from.face(0, 0) + row * values, values, to.face(0, 0) + row * values);
+                   });
   }
 
   std::optional<Outcome> fill_levels(const Control& control) {
@@ -282,16 +278,13 @@ class Baking {
     if (found_.projection) {
       outcome = take(*found_.projection, projection_);
     } else {
-      projection_ = source_.holds_pixels() ? projection_of_pixels(control) : streamed_projection(control);
+      projection_ =
+          source_.holds_pixels() ? project(source_.pixels(), plan_.projecting, control) : streamed_projection(control);
       if (find_ != kSkipped) store_->keep(*projection_);
     }
     if (options_.bands > 0 && options_.bands < projection_->radiance.bands())
       projection_->radiance = resized(projection_->radiance, options_.bands);
     return outcome;
-  }
-
-  [[nodiscard]] Projection projection_of_pixels(const Control& control) {
-    return project(source_.pixels(), plan_.projecting, control);
   }
 
   /// Whether light comes from beside pixels that are held.

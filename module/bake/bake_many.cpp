@@ -1,6 +1,5 @@
 // Many probes in one call: small ones side by side, each in one thread; large ones by all threads.
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/many.h"
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
@@ -34,8 +34,6 @@ std::int64_t texels_of(const CubemapView& probe) { return std::int64_t{6} * prob
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
 class ManyBakes {
-  using Clock = std::chrono::steady_clock;
-
  public:
   ManyBakes(std::span<const CubemapView> probes, std::span<const CubemapTarget> specular, std::span<dvec3> coefficients,
             const PrefilterOptions& options, int bands)
@@ -66,7 +64,7 @@ class ManyBakes {
   }
 
   BakeResult run(const Control& control) {
-    const Clock::time_point began = Clock::now();
+    const jobs::Stopwatch watch;
     gather();
     make_tables(control);
     const double beside_share = share_of(beside_texels_);
@@ -86,8 +84,8 @@ class ManyBakes {
       result.peak_bytes = std::max(result.peak_bytes, one.peak_bytes);
     }
     result.peak_bytes *= rooms_.size();
-    result.diagnostics.passes.push_back({"specular", PassAction::run, std::to_string(probes_.size()) + " cubemaps",
-                                         std::chrono::duration<double, std::milli>(Clock::now() - began).count()});
+    result.diagnostics.passes.push_back(
+        {"specular", PassAction::run, std::to_string(probes_.size()) + " cubemaps", watch.milliseconds()});
     return result;
   }
 

@@ -105,6 +105,9 @@ struct UsedMips {
 /// `stored`: what the source brings along and may be taken.
 [[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored);
 
+/// Returns the pass of that name. Throws `Error` (invalid_argument) if there is none.
+[[nodiscard]] const PlannedPass& pass_of(const std::vector<PlannedPass>& passes, const std::string& name);
+
 /// Formats a table of passes, as `plan_text` does.
 [[nodiscard]] std::string passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured);
 

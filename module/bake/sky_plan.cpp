@@ -10,6 +10,7 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
 #include "sky/elevation_curve.h"
 #include "sky/sky_projection.h"
@@ -48,12 +49,6 @@ const char* name(SkyPass pass) noexcept {
   return names[static_cast<std::size_t>(pass)];
 }
 
-bool any_matter(const Constituent& constituent) {
-  const auto acts = [](double coefficient) { return coefficient > 0.0; };
-  return !constituent.density.empty() && (platform::ranges::any_of(constituent.scattering_per_m, acts) ||
-                                          platform::ranges::any_of(constituent.absorption_per_m, acts));
-}
-
 SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& full_options) {
   SkyBakeOptions options = full_options;
   options.bands = std::min(full_options.bands, needs.diffuse_bands);
@@ -77,8 +72,7 @@ class SkyPlanner {
     plan_reflections();
     plan_background();
     if (options_.brdf) {
-      const double texels = static_cast<double>(options_.brdf->width) * options_.brdf->height;
-      add(SkyPass::brdf, "by quadrature", static_cast<std::uint64_t>(texels) * (options_.brdf->sheen ? 12 : 8));
+      add(SkyPass::brdf, "by quadrature", sizeof(float) * reflections::brdf_values(*options_.brdf));
     } else {
       skip(SkyPass::brdf, !full_options_.brdf ? "not requested"
                           : needs_.glossy     ? "the engine has its own table"
@@ -138,7 +132,7 @@ class SkyPlanner {
     };
     in_tables(SkyPass::aerosol, sky::scatters(air.aerosol),
               "the planet has no scattering aerosol: no table of single Mie scattering", "in the tables");
-    const auto absorbers = platform::ranges::count_if(air.absorbers, any_matter);
+    const auto absorbers = platform::ranges::count_if(air.absorbers, sky::matters);
     in_tables(SkyPass::absorbers, absorbers > 0, "the planet has none, such as ozone",
               std::to_string(absorbers) + " of them, in the tables");
   }
@@ -212,12 +206,7 @@ SkyPlan plan(const Atmosphere& atmosphere, const SceneNeeds& needs, const SkyBak
   return plan;
 }
 
-const PlannedPass& SkyPlan::pass(const std::string& name) const {
-  const auto found = platform::ranges::find(passes, name, &PlannedPass::name);
-  if (found == passes.end())
-    throw Error(ErrorCode::invalid_argument, "the plan has no pass \"" + name + "\"; `passes` lists them");
-  return *found;
-}
+const PlannedPass& SkyPlan::pass(const std::string& name) const { return baking::pass_of(passes, name); }
 
 std::string plan_text(const SkyPlan& plan, const std::vector<PassRecord>& measured) {
   const platform::FloatingPointScope floating_point;

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "bake/bake_plan.h"
 #include "reflections/prefilter_plan.h"
 #include "welkin/result_cache.h"
 
@@ -84,11 +85,7 @@ std::uint64_t texels(int size) { return static_cast<std::uint64_t>(size) * stati
 
 std::size_t mip_values(int size) { return static_cast<std::size_t>(18 * texels(size)); }
 
-std::uint64_t chain_bytes(int size, int levels) {
-  std::uint64_t bytes = 0;
-  for (int level = 0; level < levels; ++level) bytes += 6 * 12 * texels(std::max(1, size >> level));
-  return bytes;
-}
+std::uint64_t chain_bytes(int size, int levels) { return 12 * baking::chain_texels(size, levels); }
 
 std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
 

@@ -26,7 +26,8 @@ void weigh(const float* rgb, std::span<float> weights, const Weight& weight) noe
 RowWeights::RowWeights(const LatLongView& source, ImportanceWeight weight, const PixelPolicy& pixels)
     : source_(source), weight_(weight), sanitizer_(pixels) {}
 
-void RowWeights::read(int row, Scratch& scratch, std::span<float> weights) const {
+std::span<const float> RowWeights::read(int row, Scratch& scratch) const {
+  std::vector<float>& weights = scratch.weights;
   const int columns = source_.width;
   const void* const texels = image::row_of(source_, row);
   const float* rgb = scratch.rgb.data();
@@ -52,12 +53,14 @@ void RowWeights::read(int row, Scratch& scratch, std::span<float> weights) const
   switch (weight_) {
     case ImportanceWeight::mean:
       // Thirds first: the sum of three large floats could be infinite.
-      return weigh(rgb, weights, [](float r, float g, float b) { return r / 3.0F + g / 3.0F + b / 3.0F; });
+      weigh(rgb, weights, [](float r, float g, float b) { return r / 3.0F + g / 3.0F + b / 3.0F; });
+      break;
     case ImportanceWeight::largest:
-      return weigh(rgb, weights, [](float r, float g, float b) { return std::max(std::max(r, g), b); });
-    default:
-      return weigh(rgb, weights, [](float r, float g, float b) { return 0.2126F * r + 0.7152F * g + 0.0722F * b; });
+      weigh(rgb, weights, [](float r, float g, float b) { return std::max(std::max(r, g), b); });
+      break;
+    default: weigh(rgb, weights, [](float r, float g, float b) { return 0.2126F * r + 0.7152F * g + 0.0722F * b; });
   }
+  return weights;
 }
 
 // With all edges in units of 1 / (texels cells) of the axis, they are whole numbers.

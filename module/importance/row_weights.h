@@ -18,13 +18,15 @@ class RowWeights {
 
   /// Room that `read` needs, for each thread.
   struct Scratch {
-    explicit Scratch(const LatLongView& source) : rgb(std::size_t{3} * static_cast<std::size_t>(source.width)) {}
+    explicit Scratch(const LatLongView& source)
+        : rgb(3 * static_cast<std::size_t>(source.width)), weights(rgb.size() / 3) {}
     std::vector<float> rgb;
+    std::vector<float> weights;           ///< of the row that was read last: [column], each finite and not negative
     projection::SanitizeRecord record{};  ///< of what has been read with it
   };
 
-  /// weights[column] of a row, each finite and not negative.
-  void read(int row, Scratch& scratch, std::span<float> weights) const;
+  /// Returns `scratch.weights` of a row.
+  std::span<const float> read(int row, Scratch& scratch) const;
 
  private:
   const LatLongView& source_;
@@ -68,6 +70,14 @@ class Overlaps {
   std::vector<Share> shares_;
   std::vector<std::size_t> first_{0};
 };
+
+/// Throws `Error` (rejected_pixel) if what threads have read has pixels that its policy rejects.
+template <class Scratches>
+void throw_if_rejected(const Scratches& scratches) {
+  projection::SanitizeRecord all{};
+  for (const RowWeights::Scratch& one : scratches) all.add(one.record);
+  projection::throw_if_rejected(all, false);
+}
 
 /// -cos of the polar angle at the upper edge of row `row` of `rows`: rises from -1 to 1.
 [[nodiscard]] double height_of_edge(int row, int rows) noexcept;

@@ -9,7 +9,11 @@
 // A build for sanitizers carries SSE2's kernels alone (cmake/instruction_sets.cmake).
 #if (defined(__x86_64__) || defined(_M_X64)) && !defined(WELKIN_ONLY_INSTRUCTION_SET)
 #define WELKIN_ASKS_PROCESSOR
-#include "platform/cpuid.h"
+#if defined(_MSC_VER)
+#include <intrin.h>
+#else
+#include <cpuid.h>
+#endif
 #endif
 
 namespace welkin {
@@ -17,7 +21,38 @@ namespace {
 
 #if defined(WELKIN_ASKS_PROCESSOR)
 
-using platform::cpuid, platform::CpuidRegisters, platform::saved_register_state;
+struct CpuidRegisters {
+  unsigned eax, ebx, ecx, edx;
+};
+
+/// Zeros for a leaf that the processor does not have.
+CpuidRegisters cpuid(unsigned leaf, unsigned subleaf) {
+  CpuidRegisters r{};
+#if defined(_MSC_VER)
+  int words[4] = {};
+  __cpuid(words, 0);
+  if (static_cast<unsigned>(words[0]) < leaf) return r;
+  __cpuidex(words, static_cast<int>(leaf), static_cast<int>(subleaf));
+  r = {static_cast<unsigned>(words[0]), static_cast<unsigned>(words[1]), static_cast<unsigned>(words[2]),
+       static_cast<unsigned>(words[3])};
+#else
+  if (__get_cpuid_count(leaf, subleaf, &r.eax, &r.ebx, &r.ecx, &r.edx) == 0) return {};
+#endif
+  return r;
+}
+
+/// The register state that the operating system saves on a context switch (XCR0). Without its bits an instruction set
+/// is there but must not be used. Needs OSXSAVE.
+std::uint64_t saved_register_state() {
+#if defined(_MSC_VER)
+  return _xgetbv(0);
+#else
+  std::uint32_t low = 0;
+  std::uint32_t high = 0;
+  __asm__ volatile("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return (std::uint64_t{high} << 32U) | low;
+#endif
+}
 
 constexpr bool bit(unsigned value, unsigned position) { return ((value >> position) & 1U) != 0; }
 

@@ -8,7 +8,28 @@
 
 #include "platform/text.h"
 
+namespace welkin {
+
+const char* name(ErrorCode code) noexcept {
+  switch (code) {
+    case ErrorCode::invalid_argument: return "invalid_argument";
+    case ErrorCode::rejected_pixel: return "rejected_pixel";
+    case ErrorCode::file_access: return "file_access";
+    case ErrorCode::corrupt_file: return "corrupt_file";
+    case ErrorCode::unsupported_file: return "unsupported_file";
+    case ErrorCode::limit_exceeded: return "limit_exceeded";
+    case ErrorCode::cancelled: return "cancelled";
+    case ErrorCode::replaced: return "replaced";
+    case ErrorCode::queue_full: return "queue_full";
+    case ErrorCode::stopped: return "stopped";
+  }
+  return "unknown";
+}
+
+}  // namespace welkin
+
 namespace welkin::platform {
+
 ByteFile::ByteFile(std::filesystem::path path, std::optional<std::span<const std::byte>> memory)
     : path_(std::move(path)), memory_(memory) {
   if (memory_) {
@@ -90,6 +111,12 @@ std::filesystem::path path_of(std::string_view utf8) {
   } catch (const std::system_error&) {
     throw Error(ErrorCode::invalid_argument, without_controls(utf8) + ": is not valid UTF-8, which file names must be");
   }
+}
+
+void require_between(std::string_view what, double value, double low, double high) {
+  if (value >= low && value <= high) return;
+  throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + number_text(value) + "; it must be from " +
+                                               number_text(low) + " to " + number_text(high));
 }
 
 Error file_error(ErrorCode code, const std::filesystem::path& path, const std::string& message) {

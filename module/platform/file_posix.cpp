@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "platform/file.h"
@@ -77,15 +76,7 @@ void remove_if_left_behind(const std::filesystem::path& path) noexcept {
   close(descriptor);
 }
 
-PendingFile::~PendingFile() {
-  if (stream_ != nullptr) std::fclose(stream_);
-  discard();
-}
-
-bool PendingFile::note_failure() {
-  why_ = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
-  return false;
-}
+bool PendingFile::note_failure() { return note_unless(false); }
 
 void PendingFile::discard() noexcept {
   if (!beside_.empty()) unlink(beside_.c_str());
@@ -142,19 +133,9 @@ void PendingFile::set_permissions(std::filesystem::perms permissions) noexcept {
   static_cast<void>(fchmod(file_, static_cast<mode_t>(permissions & std::filesystem::perms::all)));
 }
 
-bool PendingFile::write(const void* bytes, std::size_t count) {
-  errno = 0;
-  return std::fwrite(bytes, 1, count, stream_) == count || note_failure();
-}
-
 bool PendingFile::seek(std::uint64_t position) {
   errno = 0;
-  return fseeko(stream_, static_cast<off_t>(position), SEEK_SET) == 0 || note_failure();
-}
-
-bool PendingFile::close_stream() {
-  errno = 0;
-  return std::fclose(std::exchange(stream_, nullptr)) == 0 || note_failure();
+  return note_unless(fseeko(stream_, static_cast<off_t>(position), SEEK_SET) == 0);
 }
 
 bool PendingFile::flush_to_disk() {

@@ -135,11 +135,6 @@ void remove_if_left_behind(const std::filesystem::path& path) noexcept {
   if (file != INVALID_HANDLE_VALUE) CloseHandle(file);
 }
 
-PendingFile::~PendingFile() {
-  if (stream_ != nullptr) std::fclose(stream_);
-  discard();
-}
-
 bool PendingFile::note_failure() {
   why_ = system_message(GetLastError());
   return false;
@@ -185,29 +180,9 @@ bool PendingFile::open_stream() {
 
 void PendingFile::set_permissions(std::filesystem::perms /*permissions*/) noexcept {}  // a file takes its folder's
 
-namespace {
-
-/// Of a call of the C library that gave `result`.
-bool succeeded(bool result, std::string& why) {
-  if (!result) why = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
-  return result;
-}
-
-}  // namespace
-
-bool PendingFile::write(const void* bytes, std::size_t count) {
-  errno = 0;
-  return succeeded(std::fwrite(bytes, 1, count, stream_) == count, why_);
-}
-
 bool PendingFile::seek(std::uint64_t position) {
   errno = 0;
-  return succeeded(_fseeki64(stream_, static_cast<std::int64_t>(position), SEEK_SET) == 0, why_);
-}
-
-bool PendingFile::close_stream() {
-  errno = 0;
-  return succeeded(std::fclose(std::exchange(stream_, nullptr)) == 0, why_);
+  return note_unless(_fseeki64(stream_, static_cast<std::int64_t>(position), SEEK_SET) == 0);
 }
 
 bool PendingFile::flush_to_disk() { return FlushFileBuffers(handle_of(file_)) || note_failure(); }

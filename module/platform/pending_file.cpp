@@ -1,8 +1,9 @@
-// Files that are not yet there: where they will be, and their names until then, which systems with files have in
-// common.
+// Files that are not yet there: where they will be, their names until then, and their streams, which systems with files
+// have in common.
 #include "platform/pending_file.h"
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <exception>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "platform/text.h"
 
@@ -61,6 +63,26 @@ std::filesystem::path behind_links(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+PendingFile::~PendingFile() {
+  if (stream_ != nullptr) std::fclose(stream_);
+  discard();
+}
+
+bool PendingFile::note_unless(bool succeeded) {
+  if (!succeeded) why_ = errno != 0 ? std::generic_category().message(errno) : "the system does not say why";
+  return succeeded;
+}
+
+bool PendingFile::write(const void* bytes, std::size_t count) {
+  errno = 0;
+  return note_unless(std::fwrite(bytes, 1, count, stream_) == count);
+}
+
+bool PendingFile::close_stream() {
+  errno = 0;
+  return note_unless(std::fclose(std::exchange(stream_, nullptr)) == 0);
+}
 
 // In containers every run has the same process number, so that the time tells it from what a killed one left.
 std::filesystem::path name_beside(const std::filesystem::path& path) {

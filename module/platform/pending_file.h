@@ -44,7 +44,8 @@ class PendingFile {
   [[nodiscard]] bool make_without_name();  ///< this one and the next two: POSIX alone
   [[nodiscard]] bool make_beside();
   [[nodiscard]] bool give_name();
-  [[nodiscard]] bool note_failure();  ///< false, with the system's reason in `why_`
+  [[nodiscard]] bool note_failure();               ///< false, with the system's reason in `why_`
+  [[nodiscard]] bool note_unless(bool succeeded);  ///< likewise, with the C library's; true if its call succeeded
   void discard() noexcept;
 
   std::filesystem::path place_;

@@ -109,4 +109,8 @@ using std::from_chars;
 /// and these bytes are none.
 [[nodiscard]] std::filesystem::path path_of(std::string_view utf8);
 
+/// Throws `Error` (invalid_argument), "WHAT is VALUE; it must be from LOW to HIGH", for a number out of range or NaN.
+/// Else it allocates nothing.
+void require_between(std::string_view what, double value, double low, double high);
+
 }  // namespace welkin::platform

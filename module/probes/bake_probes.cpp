@@ -25,14 +25,13 @@ namespace {
 using probes::check_depths;
 using probes::DepthMaps;
 using probes::DepthRules;
+using probes::refuse;
 using probes::require_count;
 
 /// Visibility is projected as so many bytes of masks at a time, or a probe's.
 constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
 
-constexpr std::size_t kDepthsPerTile = 8;
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
+constexpr int kDepthsPerTile = 8;
 
 double smallest_spacing(const ProbeGrid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
 
@@ -82,14 +81,12 @@ class Capture {
     const std::size_t workers = jobs::worker_count(placement);
     std::vector<DepthMaps::Scratch> scratches(workers, DepthMaps::Scratch(maps));
     const std::size_t floats = probes::distance_floats(into_);
-    jobs::run_tiles((depths_.size() + kDepthsPerTile - 1) / kDepthsPerTile, placement, workers, control,
-                    [&](std::size_t tile, std::size_t worker) {
-                      const std::size_t end = std::min(depths_.size(), (tile + 1) * kDepthsPerTile);
-                      for (std::size_t k = tile * kDepthsPerTile; k < end; ++k) {
-                        into_.validity[k] = maps.read(depths_[k], scratches[worker],
-                                                      std::span(into_.distances).subspan(k * floats, floats));
-                      }
-                    });
+    jobs::run_rows(static_cast<int>(depths_.size()), kDepthsPerTile, placement, workers, control,
+                   [&](int probe, std::size_t worker) {
+                     const auto k = static_cast<std::size_t>(probe);
+                     into_.validity[k] = maps.read(depths_[k], scratches[worker],
+                                                   std::span(into_.distances).subspan(k * floats, floats));
+                   });
     for (std::size_t k = 0; k < depths_.size(); ++k) {
       if (into_.validity[k] < 0.0F) probes::refuse_nan_depth(k);
       into_.passes[k] = static_cast<double>(into_.validity[k]) < options_.valid_share ? probes::kUnfilled : 0;
@@ -116,9 +113,9 @@ class Capture {
         views[k] = CubemapView{{}, size, 0, PixelFormat::rgb8};
         for (std::size_t f = 0; f < 6; ++f) views[k].faces[f] = texels + f * face * 3;
       }
-      jobs::run_tiles(count, jobs::placement_for(static_cast<std::int64_t>(count * 6 * face)),
-                      jobs::worker_count(jobs::placement_for(static_cast<std::int64_t>(count * 6 * face))),
-                      {control.stop}, [&](std::size_t k, std::size_t /*worker*/) {
+      const auto placement = jobs::placement_for(static_cast<std::int64_t>(count * 6 * face));
+      jobs::run_tiles(count, placement, jobs::worker_count(placement), {control.stop},
+                      [&](std::size_t k, std::size_t /*worker*/) {
                         write_mask(depths_[first + k], masks.data() + k * 6 * face * 3);
                       });
       project_many(std::span(views).first(count), grey, projection,

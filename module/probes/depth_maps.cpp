@@ -59,8 +59,6 @@ double lobe_correction(double cosine, int power, double steradians, double texel
 
 constexpr int kLargestDepth = 1024;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
 }  // namespace
 
 void check_depths(std::span<const DepthView> depths) {
@@ -104,13 +102,18 @@ const float* row_of(const DepthView& view, int face, int row) noexcept {
   return reinterpret_cast<const float*>(reinterpret_cast<const char*>(first) + stride * row);
 }
 
-DepthMaps::DepthMaps(int size, const DepthRules& rules)
-    : size_(size), edge_(std::min(size, kMaxBlocks)), rules_(rules), solid_angles_(squared(size)) {
+std::vector<double> face_solid_angles(int size) {
   const auto columns = static_cast<std::size_t>(size);
+  std::vector<double> angles(squared(size));
   for (int row = 0; row < size; ++row) {
-    image::cubemap_row_solid_angles(row,
-                                    std::span(solid_angles_).subspan(static_cast<std::size_t>(row) * columns, columns));
+    image::cubemap_row_solid_angles(row, std::span(angles).subspan(static_cast<std::size_t>(row) * columns, columns));
   }
+  return angles;
+}
+
+DepthMaps::DepthMaps(int size, const DepthRules& rules)
+    : size_(size), edge_(std::min(size, kMaxBlocks)), rules_(rules), solid_angles_(face_solid_angles(size)) {
+  const auto columns = static_cast<std::size_t>(size);
   if (rules.distance_size == 0) return;
   block_angles_.resize(squared(edge_));
   for (int row = 0; row < size; ++row) {

@@ -5,29 +5,90 @@
 //                   src/renderers/shaders/ShaderChunk/lightprobes_pars_fragment.glsl.js
 //   Unity           com.unity.render-pipelines.core Runtime/Lighting/ProbeVolume: ProbeBrickPool.cs (bricks),
 //                   DecodeSH.hlsl (EncodeSH, EncodeSH_L2), ProbeVolume.hlsl (SampleAPV: what lies in which texture)
-#include "probes/packing.h"
-
+//   Bevy            crates/bevy_pbr/src/light_probe/irradiance_volume.wgsl, irradiance_volume_light: which texel is
+//                   looked up for which side. (The table in irradiance_volume.rs has the halves of y exchanged; the
+//                   shader is what renders.)
+//   RTXGI           DDGI SDK 1.3: shaders/ddgi/include/ProbeIndexing.hlsl (DDGIGetProbeTexelCoords, DDGIGetProbeUV),
+//                   ProbeOctahedral.hlsl, ProbeDataCommon.hlsl, ProbeBlendingCS.hlsl (sums are divided by twice the
+//                   weights) and Irradiance.hlsl (what is undone on lookup)
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "harmonics/octahedral_border.h"
+#include "image/pixels.h"
+#include "jobs/tiles.h"
+#include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
 #include "welkin/engines.h"
 #include "welkin/probes.h"
+#include "welkin/resampling.h"
 
-namespace welkin {
+namespace welkin::probes {
 namespace {
 
-using probes::coefficient;
-using probes::Filling;
-using probes::for_each_slice;
-using probes::number_of;
-using probes::Texel;
+using Texel = std::array<float, 4>;
+
+constexpr int kMaxTexels = 2048;  // along an edge of a texture
+
+/// A texture that is being filled.
+class Filling {
+ public:
+  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size, bool is_array = false)
+      : size_(size), index_(packed.textures.size()) {
+    for (const int edge : size)
+      image::require_range("texels along an edge of a texture of probes", edge, 1, kMaxTexels);
+    packed.textures.push_back(
+        {name, size,
+         std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
+                                    static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2])),
+         is_array});
+  }
+
+  /// Returns how many values did not fit.
+  std::uint64_t set(PackedProbes& packed, int x, int y, int z, const Texel& texel) const {
+    const std::size_t place =
+        (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
+            static_cast<std::size_t>(size_[0]) +
+        static_cast<std::size_t>(x);
+    auto* halves = reinterpret_cast<std::uint8_t*>(packed.textures[index_].halves.data() + 4 * place);
+    return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
+  }
+
+ private:
+  std::array<int, 3> size_;
+  std::size_t index_;
+};
+
+/// Calls work(slice) for each slice of a texture; returns the sum of what it returns.
+template <class Work>
+std::uint64_t for_each_slice(int slices, std::int64_t texels, const Control& control, const Work& work) {
+  std::vector<std::uint64_t> clamped(static_cast<std::size_t>(slices));
+  const auto placement = jobs::placement_for(texels);
+  jobs::run_tiles(clamped.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t slice, std::size_t /*worker*/) { clamped[slice] = work(static_cast<int>(slice)); });
+  std::uint64_t sum = 0;
+  for (const std::uint64_t each : clamped) sum += each;
+  return sum;
+}
+
+dvec3 coefficient(const BakedProbes& probes, std::size_t probe, std::size_t index) {
+  const std::size_t functions = squared(probes.bands);
+  return index < functions ? probes.coefficients[probe * functions + index] : dvec3(0.0);
+}
+
+std::size_t number_of(const ProbeGrid& grid, int x, int y, int z) {
+  return static_cast<std::size_t>(x) +
+         static_cast<std::size_t>(grid.counts[0]) *
+             (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.counts[1]) * static_cast<std::size_t>(z));
+}
 
 constexpr int kBrickEdge = 4;         // probes: three cells and one more
 constexpr int kMaxBricksInRow = 512;  // 2048 texels
@@ -169,7 +230,162 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
   return packed;
 }
 
+// ---- Bevy: ambient cubes
+
+// Irradiance from radiance of three bands: y_lm(n) A_l without the direction's polynomials, as in probe_sampling.glsl.
+// A(l) K(l, m) with A = pi, 2 pi / 3, pi / 4 and the harmonics' constants: pi sqrt(1 / (4 pi)), 2 pi / 3
+// sqrt(3 / (4 pi)), pi / 4 sqrt(15 / (4 pi)), pi / 4 sqrt(5 / (16 pi)). (x x - y y) has half of kBand2:
+// sqrt(15 / (16 pi)).
+constexpr double kBand0 = 0.88622692545275801;  // sqrt(pi) / 2
+constexpr double kBand1 = 1.0233267079464885;   // sqrt(pi / 3)
+constexpr double kBand2 = 0.85808553080978302;  // sqrt(15 pi) / 8
+constexpr double kAxial = 0.24770795610037571;  // sqrt(5 pi) / 16
+
+dvec3 irradiance_of(const BakedProbes& probes, std::size_t probe, const dvec3& n) {
+  const auto c = [&](std::size_t index) { return coefficient(probes, probe, index); };
+  return kBand0 * c(0) + kBand1 * (n.y * c(1) + n.z * c(2) + n.x * c(3)) +
+         kBand2 * (n.x * n.y * c(4) + n.y * n.z * c(5) + n.x * n.z * c(7) + 0.5 * (n.x * n.x - n.y * n.y) * c(8)) +
+         kAxial * (3.0 * n.z * n.z - 1.0) * c(6);
+}
+
+/// The six sides -x +x -y ... of the ambient cube nearest to a probe's irradiance over pi.
+///
+/// A cube's light is the sum over axes of n_i^2 times the side that n_i points to. Its even part, the sum of q_i n_i^2,
+/// spans band 0 and those two functions of band 2 that have no mixed terms: these are met exactly, and q_i is the
+/// irradiance's even part along the axis. Of its odd part, the functions sign(n_i) n_i^2 are orthogonal over the sphere
+/// with the mean square 1/5, and the mean of sign(n_i) n_i^2 times n_i is 1/4: band 1 with the slope s has the least
+/// squared distance from 5/4 s.
+std::array<dvec3, 6> cube_sides(const BakedProbes& probes, std::size_t probe) {
+  std::array<dvec3, 6> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    dvec3 towards(0.0);
+    towards[axis] = 1.0;
+    const dvec3 ahead = irradiance_of(probes, probe, towards);
+    const dvec3 behind = irradiance_of(probes, probe, -towards);
+    // A side is the even part along its axis plus the odd one, or minus it on the negative side.
+    const dvec3 even = 0.5 * (ahead + behind);
+    const dvec3 odd = 1.25 * 0.5 * (ahead - behind);
+    for (int c = 0; c < 3; ++c) {
+      const auto side = static_cast<std::size_t>(2 * axis);
+      sides[side][c] = std::max(0.0, even[c] - odd[c]) * std::numbers::inv_pi;
+      sides[side + 1][c] = std::max(0.0, even[c] + odd[c]) * std::numbers::inv_pi;
+    }
+  }
+  return sides;
+}
+
+// ---- RTXGI: octahedral maps
+
+constexpr int kIrradianceTexels = 6;
+constexpr double kGamma = 5.0;  // DDGIVolumeDesc::probeIrradianceEncodingGamma
+
+/// (irradiance / 2 pi)^(1 / gamma).
+float encoded(double irradiance) {
+  // The cosine-weighted mean of radiance is E / pi. RTXGI's blending divides by twice the sum of cosines, so a texel
+  // holds E / (2 pi), to the power 1 / gamma.
+  if (!(irradiance > 0.0)) return 0.0F;
+  return static_cast<float>(math::exponential(math::logarithm(irradiance / (2.0 * std::numbers::pi)) / kGamma));
+}
+
+/// Texels along an edge of a probe's map.
+constexpr int kIrradianceEdge = kIrradianceTexels + 2;
+
+std::vector<dvec3> map_directions() {
+  std::vector<dvec3> directions;
+  for (int row = -1; row <= kIrradianceTexels; ++row) {
+    for (int column = -1; column <= kIrradianceTexels; ++column) {
+      int x = column;
+      int y = row;
+      octahedral::move_inside(kIrradianceTexels, x, y);
+      directions.push_back(octahedral_decode((x + 0.5) / kIrradianceTexels, (y + 0.5) / kIrradianceTexels));
+    }
+  }
+  return directions;
+}
+
+/// A probe's maps, and where they lie: columns along x, rows along z, a layer per plane of y.
+struct ProbeTexel {
+  std::size_t probe;
+  int x;
+  int y;
+  int z;
+};
+
+std::uint64_t pack_maps(PackedProbes& packed, const std::vector<Filling>& textures, const BakedProbes& probes,
+                        const std::vector<dvec3>& directions, const ProbeTexel& at) {
+  std::uint64_t clamped = 0;
+  for (int texel = 0; texel < kIrradianceEdge * kIrradianceEdge; ++texel) {
+    const dvec3 light = irradiance_of(probes, at.probe, directions[static_cast<std::size_t>(texel)]);
+    clamped += textures[0].set(packed, at.x * kIrradianceEdge + texel % kIrradianceEdge,
+                               at.z * kIrradianceEdge + texel / kIrradianceEdge, at.y,
+                               {encoded(light.x), encoded(light.y), encoded(light.z), 1.0F});
+  }
+  const int edge = probes.distance_edge();
+  const float* moments = probes.distances.data() + at.probe * distance_floats(probes);
+  for (int texel = 0; texel < edge * edge; ++texel, moments += 2) {
+    clamped += textures[1].set(packed, at.x * edge + texel % edge, at.z * edge + texel / edge, at.y,
+                               {0.5F * moments[0], 0.5F * moments[1], 0.0F, 1.0F});
+  }
+  const dvec3 moved = probes.offsets.empty() ? dvec3(0.0) : probes.offsets[at.probe] / probes.grid.spacing;
+  return clamped + textures[2].set(packed, at.x, at.z, at.y,
+                                   {static_cast<float>(moved.x), static_cast<float>(moved.y),
+                                    static_cast<float>(moved.z), probes.passes[at.probe] == kUnfilled ? 1.0F : 0.0F});
+}
+
+PackedProbes pack_bevy(const BakedProbes& probes, const Control& control) {
+  PackedProbes packed{ProbeLayout::bevy, {}, {}, 0};
+  const auto [columns, rows, slices] = probes.grid.counts;
+  const Filling texture(packed, "voxels", {columns, 2 * rows, 3 * slices});
+  const auto pack_slice = [&, columns = columns, rows = rows, slices = slices](int z) {
+    std::uint64_t clamped = 0;
+    for (int y = 0; y < rows; ++y) {
+      for (int x = 0; x < columns; ++x) {
+        const auto sides = cube_sides(probes, number_of(probes.grid, x, y, z));
+        for (int side = 0; side < 6; ++side) {
+          const dvec3& light = sides[static_cast<std::size_t>(side)];
+          const int half = side % 2 == 0 ? rows : 0;  // negative sides
+          clamped += texture.set(
+              packed, x, y + half, z + side / 2 * slices,
+              {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0F});
+        }
+      }
+    }
+    return clamped;
+  };
+  packed.values_clamped = for_each_slice(slices, std::int64_t{64} * columns * rows * slices, control, pack_slice);
+  return packed;
+}
+
+PackedProbes pack_rtxgi(const BakedProbes& probes, const Control& control) {
+  if (probes.distance_size == 0) {
+    throw Error(ErrorCode::invalid_argument,
+                "ProbeLayout::rtxgi needs distances; bake the probes with depths, and a distance_size above 0");
+  }
+  PackedProbes packed{ProbeLayout::rtxgi, {}, {}, 0};
+  const auto [columns, planes, rows] = probes.grid.counts;
+  const int edge = probes.distance_edge();
+  const std::vector<Filling> textures{
+      {packed, "irradiance", {columns * kIrradianceEdge, rows * kIrradianceEdge, planes}, true},
+      {packed, "distance", {columns * edge, rows * edge, planes}, true},
+      {packed, "data", {columns, rows, planes}, true}};
+  const std::vector<dvec3> directions = map_directions();
+  const auto pack_plane = [&, columns = columns, rows = rows](int y) {
+    std::uint64_t clamped = 0;
+    for (int z = 0; z < rows; ++z) {
+      for (int x = 0; x < columns; ++x) {
+        clamped += pack_maps(packed, textures, probes, directions, {number_of(probes.grid, x, y, z), x, y, z});
+      }
+    }
+    return clamped;
+  };
+  packed.values_clamped = for_each_slice(planes, std::int64_t{10'000} * columns * rows * planes, control, pack_plane);
+  return packed;
+}
+
 }  // namespace
+}  // namespace welkin::probes
+
+namespace welkin {
 
 const char* name(ProbeLayout layout) noexcept {
   switch (layout) {
@@ -187,10 +403,10 @@ PackedProbes pack_probes(const BakedProbes& probes, ProbeLayout layout, const Co
   const platform::FloatingPointScope floating_point;
   probes::check_arrays(probes);
   switch (layout) {
-    case ProbeLayout::three: return pack_three(probes, control);
+    case ProbeLayout::three: return probes::pack_three(probes, control);
     case ProbeLayout::unity_l2:
-    case ProbeLayout::unity_l1: return pack_unity(probes, layout, control);
-    case ProbeLayout::plain: return pack_plain(probes, control);
+    case ProbeLayout::unity_l1: return probes::pack_unity(probes, layout, control);
+    case ProbeLayout::plain: return probes::pack_plain(probes, control);
     case ProbeLayout::bevy: return probes::pack_bevy(probes, control);
     case ProbeLayout::rtxgi: return probes::pack_rtxgi(probes, control);
   }

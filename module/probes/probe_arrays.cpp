@@ -1,9 +1,9 @@
 #include "probes/probe_arrays.h"
 
-#include <cmath>
 #include <string>
 
 #include "image/pixels.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "welkin/core.h"
 
@@ -13,8 +13,6 @@ namespace {
 constexpr int kMaxAlong = 2048;  // texels of a three-dimensional texture that every graphics API takes
 constexpr std::size_t kMaxProbes = std::size_t{1} << 24U;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
 void require_length(const char* name, std::size_t is, std::size_t must_be) {
   if (is == must_be) return;
   refuse("BakedProbes: " + std::string(name) + " has " + std::to_string(is) + " values; it must have " +
@@ -23,12 +21,6 @@ void require_length(const char* name, std::size_t is, std::size_t must_be) {
 
 }  // namespace
 
-void require_between(const char* name, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  refuse(std::string(name) + " is " + std::to_string(value) + "; it must be from " + std::to_string(low) + " to " +
-         std::to_string(high));
-}
-
 void check_grid(const ProbeGrid& grid) {
   constexpr const char* axes[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis) {
@@ -36,11 +28,8 @@ void check_grid(const ProbeGrid& grid) {
     image::require_range(("probes of a grid" + along).c_str(), grid.counts[static_cast<std::size_t>(axis)], 1,
                          kMaxAlong);
     // What floats square without an overflow.
-    if (!(grid.spacing[axis] >= 1e-9 && grid.spacing[axis] <= 1e12)) {
-      refuse("ProbeGrid: spacing" + along + " is " + std::to_string(grid.spacing[axis]) +
-             "; it must be from 1e-9 to 1e12");
-    }
-    if (!(std::abs(grid.origin[axis]) <= kFarthest)) refuse("ProbeGrid: origin" + along + " is beyond 1e15");
+    platform::require_between("ProbeGrid: spacing" + along, grid.spacing[axis], 1e-9, 1e12);
+    platform::require_between("ProbeGrid: origin" + along, grid.origin[axis], -kFarthest, kFarthest);
   }
   if (grid.size() > kMaxProbes) {
     refuse("ProbeGrid: has " + std::to_string(grid.size()) + " probes; up to " + std::to_string(kMaxProbes) +
@@ -51,9 +40,9 @@ void check_grid(const ProbeGrid& grid) {
 void check_options(const ProbeOptions& options, bool with_depths) {
   projection::check_options(options.projection);
   image::require_range("bands of probes", options.projection.bands, 1, kMaxBands);
-  require_between("ProbeOptions: near_share", options.near_share, 0.0, 1e6);
-  require_between("ProbeOptions: valid_share", options.valid_share, 0.0, 1.0);
-  require_between("ProbeOptions: distance_limit", options.distance_limit, 0.0, 1e30);
+  platform::require_between("ProbeOptions: near_share", options.near_share, 0.0, 1e6);
+  platform::require_between("ProbeOptions: valid_share", options.valid_share, 0.0, 1.0);
+  platform::require_between("ProbeOptions: distance_limit", options.distance_limit, 0.0, 1e30);
   image::require_range("distance_size of probes", options.distance_size, 0, 64);
   image::require_range("distance_power of probes", options.distance_power, 1, 1024);
   image::require_range("dilation_passes of probes", options.dilation_passes, 0, 1024);

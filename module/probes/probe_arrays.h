@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
+#include "jobs/tiles.h"
 #include "welkin/probes.h"
 
 namespace welkin::probes {
@@ -22,6 +24,12 @@ inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and 
   return 2 * squared(probes.distance_edge());
 }
 
+/// Throws `Error` (invalid_argument).
+[[noreturn]] inline void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
+
+/// The text of probe_sampling.glsl.
+extern const char* const kProbeSampling;
+
 /// Throws `Error` (invalid_argument) unless the grid is one.
 void check_grid(const ProbeGrid& grid);
 
@@ -31,10 +39,13 @@ void check_options(const ProbeOptions& options, bool with_depths);
 /// Throws `Error` (invalid_argument) unless each array has the length that grid, bands and sizes give it.
 void check_arrays(const BakedProbes& probes);
 
-/// Throws `Error` (invalid_argument) for a number out of range.
-void require_between(const char* name, double value, double low, double high);
-
-/// How many probes a tile of a loop over cheap work takes.
-inline constexpr std::size_t kProbesPerTile = 256;
+/// Calls work(probe) for all, for cheap work: in tiles of many.
+template <class Work>
+void for_each_probe(std::size_t count, std::int64_t cost_in_texels, const Control& control, const Work& work) {
+  constexpr int kProbesPerTile = 256;
+  const auto placement = jobs::placement_for(static_cast<std::int64_t>(count) * cost_in_texels);
+  jobs::run_rows(static_cast<int>(count), kProbesPerTile, placement, jobs::worker_count(placement), control,
+                 [&](int probe, std::size_t /*worker*/) { work(static_cast<std::size_t>(probe)); });
+}
 
 }  // namespace welkin::probes

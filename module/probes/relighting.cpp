@@ -1,11 +1,14 @@
-// Another environment for probes that were captured, and windows over what they hold.
+// Light of probes that were captured: that of valid ones for their invalid neighbours, another environment's, and
+// windows.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "image/pixels.h"
 #include "jobs/many.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
@@ -18,20 +21,117 @@
 namespace welkin {
 namespace {
 
-using probes::kProbesPerTile;
+using probes::kLastPass;
+using probes::kUnfilled;
+
+/// A neighbour on the grid and what it counts.
+struct Neighbour {
+  std::array<int, 3> step;
+  double weight;
+};
+
+std::vector<Neighbour> neighbours_of(const ProbeGrid& grid) {
+  std::vector<Neighbour> neighbours;
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const dvec3 way{x * grid.spacing.x, y * grid.spacing.y, z * grid.spacing.z};
+        neighbours.push_back({{x, y, z}, 1.0 / (way.x * way.x + way.y * way.y + way.z * way.z)});
+      }
+    }
+  }
+  return neighbours;
+}
+
+/// Calls take(neighbour's number, weight) for those that lie in the grid.
+template <class Take>
+void for_each_neighbour(const ProbeGrid& grid, const std::vector<Neighbour>& neighbours, std::size_t probe,
+                        const Take& take) {
+  const auto columns = static_cast<std::size_t>(grid.counts[0]);
+  const auto rows = static_cast<std::size_t>(grid.counts[1]);
+  const std::array<int, 3> place{static_cast<int>(probe % columns), static_cast<int>(probe / columns % rows),
+                                 static_cast<int>(probe / columns / rows)};
+  for (const Neighbour& neighbour : neighbours) {
+    std::array<std::size_t, 3> at{};
+    bool inside = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int there = place[axis] + neighbour.step[axis];
+      inside = inside && there >= 0 && there < grid.counts[axis];
+      at[axis] = static_cast<std::size_t>(inside ? there : 0);
+    }
+    if (inside) take(at[0] + columns * (at[1] + rows * at[2]), neighbour.weight);
+  }
+}
+
+/// The mean of the neighbours that have light, to the probe; false if none has.
+bool fill(BakedProbes& probes, const std::vector<Neighbour>& neighbours, std::size_t probe) {
+  const std::size_t functions = probes::squared(probes.bands);
+  std::array<dvec3, probes::kMaxBands * probes::kMaxBands> sums{};
+  double whole = 0.0;
+  for_each_neighbour(probes.grid, neighbours, probe, [&](std::size_t neighbour, double weight) {
+    if (probes.passes[neighbour] == kUnfilled) return;
+    whole += weight;
+    const dvec3* light = probes.coefficients.data() + neighbour * functions;
+    for (std::size_t k = 0; k < functions; ++k) sums[k] += weight * light[k];
+  });
+  if (!(whole > 0.0)) return false;
+  for (std::size_t k = 0; k < functions; ++k) probes.coefficients[probe * functions + k] = sums[k] / whole;
+  return true;
+}
+
+/// Fills what has a neighbour with light. Returns what is left.
+std::vector<std::size_t> run_pass(BakedProbes& probes, const std::vector<Neighbour>& neighbours,
+                                  const std::vector<std::size_t>& open, std::uint8_t pass, const Control& control) {
+  std::vector<std::uint8_t> filled(open.size());
+  probes::for_each_probe(open.size(), std::int64_t{26} * 16, {control.stop},
+                         [&](std::size_t k) { filled[k] = fill(probes, neighbours, open[k]) ? 1 : 0; });
+  std::vector<std::size_t> left;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (filled[k] == 0) {
+      left.push_back(open[k]);
+    } else {
+      probes.passes[open[k]] = pass;
+    }
+  }
+  return left;
+}
+
+}  // namespace
+
+void dilate(BakedProbes& probes, int most_passes, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  probes::check_arrays(probes);
+  image::require_range("passes of a dilation", most_passes, 0, 1024);
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < probes.passes.size(); ++k) {
+    if (probes.passes[k] == 0) continue;
+    probes.passes[k] = kUnfilled;
+    open.push_back(k);
+  }
+  probes.invalid = open.size();
+  const std::vector<Neighbour> neighbours = neighbours_of(probes.grid);
+  for (int pass = 1; pass <= most_passes && !open.empty(); ++pass) {
+    const std::size_t before = open.size();
+    open = run_pass(probes, neighbours, open, static_cast<std::uint8_t>(std::min<int>(pass, kLastPass)), control);
+    if (open.size() == before) break;  // nobody has a neighbour with light
+  }
+  probes.unfilled = open.size();
+  // What was captured there says nothing, and may have been filled before.
+  const std::size_t functions = probes::squared(probes.bands);
+  for (const std::size_t probe : open) {
+    if (most_passes > 0) std::fill_n(probes.coefficients.data() + probe * functions, functions, dvec3(0.0));
+  }
+  if (control.progress) control.progress(1.0);
+}
+
+// Another environment, and windows.
+
+namespace {
+
+using probes::for_each_probe;
 
 constexpr const char* kChannels[] = {"red", "green", "blue"};
-
-/// Calls work(probe) for all, in tiles.
-template <class Work>
-void for_each_probe(std::size_t count, std::int64_t cost_in_texels, const Control& control, const Work& work) {
-  const auto placement = jobs::placement_for(static_cast<std::int64_t>(count) * cost_in_texels);
-  jobs::run_tiles((count + kProbesPerTile - 1) / kProbesPerTile, placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t /*worker*/) {
-                    const std::size_t end = std::min(count, (tile + 1) * kProbesPerTile);
-                    for (std::size_t k = tile * kProbesPerTile; k < end; ++k) work(k);
-                  });
-}
 
 /// What a coefficient of the visibility adds to those of the radiance: [sky_bands^2][bands^2], the products of the
 /// environment with each basis function.

@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "probes/depth_maps.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
@@ -23,12 +23,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 /// Directions and solid angles of the texels of depth cubemaps of one size.
 struct Rays {
-  explicit Rays(int texels) : size(texels), solid_angles(probes::squared(texels)) {
-    const auto columns = static_cast<std::size_t>(size);
-    for (int row = 0; row < size; ++row) {
-      image::cubemap_row_solid_angles(
-          row, std::span(solid_angles).subspan(static_cast<std::size_t>(row) * columns, columns));
-    }
+  explicit Rays(int texels) : size(texels), solid_angles(probes::face_solid_angles(texels)) {
     for (int face = 0; face < 6; ++face) {
       for (int row = 0; row < size; ++row) {
         for (int column = 0; column < size; ++column) {
@@ -130,9 +125,9 @@ std::vector<dvec3> relocate_probes(const ProbeGrid& grid, std::span<const DepthV
                                    const Control& control) {
   const platform::FloatingPointScope floating_point;
   probes::check_grid(grid);
-  probes::require_between("RelocationOptions: back_share", options.back_share, 0.0, 1.0);
-  probes::require_between("RelocationOptions: clearance", options.clearance, 0.0, 0.5);
-  probes::require_between("RelocationOptions: farthest", options.farthest, 0.0, 0.5);
+  platform::require_between("RelocationOptions: back_share", options.back_share, 0.0, 1.0);
+  platform::require_between("RelocationOptions: clearance", options.clearance, 0.0, 0.5);
+  platform::require_between("RelocationOptions: farthest", options.farthest, 0.0, 0.5);
   probes::require_count("depths", depths.size(), grid.size());
   if (!offsets.empty()) probes::require_count("offsets", offsets.size(), grid.size());
   probes::check_depths(depths);

@@ -29,6 +29,10 @@ const DensityLayer& layer_at(std::span<const DensityLayer> layers, double altitu
   return layers[layer];
 }
 
+bool any_above_0(const std::vector<double>& coefficients) {
+  return std::any_of(coefficients.begin(), coefficients.end(), [](double value) { return value > 0.0; });
+}
+
 double value_at(const std::vector<double>& values, std::size_t index) { return values.empty() ? 0.0 : values[index]; }
 
 }  // namespace
@@ -57,11 +61,12 @@ AirModel::AirModel(const Atmosphere& atmosphere)
   length_shells_ = cut_at(breaks, kFaint);
 }
 
-bool AirModel::matters(const Constituent& constituent) noexcept {
-  const auto acts = [](const std::vector<double>& coefficients) {
-    return std::any_of(coefficients.begin(), coefficients.end(), [](double value) { return value > 0.0; });
-  };
-  return !constituent.density.empty() && (acts(constituent.scattering_per_m) || acts(constituent.absorption_per_m));
+bool scatters(const Constituent& constituent) noexcept {
+  return !constituent.density.empty() && any_above_0(constituent.scattering_per_m);
+}
+
+bool matters(const Constituent& constituent) noexcept {
+  return scatters(constituent) || (!constituent.density.empty() && any_above_0(constituent.absorption_per_m));
 }
 
 // Whether others take so much more of the light there, at every wavelength, that its own slope does not show.
@@ -290,10 +295,6 @@ PhaseSpectrum phase_spectrum(const Atmosphere& atmosphere, double g) {
       spectrum.aerosol[static_cast<std::size_t>(l)] *= 1.0 - std::abs(left_out) * (1.0 - cosine * cosine);
     }
   }
-  spectrum.rayleigh.assign(static_cast<std::size_t>(spectrum.bands), 0.0);
-  spectrum.rayleigh[0] = 1.0;
-  // 3 / (16 pi) (1 + x^2) = (P_0 + P_2 / 2) / (4 pi), and 5 chi_2 = 1/2.
-  spectrum.rayleigh[2] = 0.1;
   return spectrum;
 }
 
@@ -304,7 +305,6 @@ std::vector<PhaseSpectrum> phase_spectra(const Atmosphere& atmosphere, const std
   const int bands = std::max({spectra[0].bands, spectra[1].bands, spectra[2].bands});
   for (PhaseSpectrum& spectrum : spectra) {
     spectrum.bands = bands;
-    spectrum.rayleigh.resize(static_cast<std::size_t>(bands));
     spectrum.aerosol.resize(static_cast<std::size_t>(bands));
   }
   return spectra;
@@ -345,13 +345,9 @@ double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept 
 }
 
 NarrowLobe narrow_lobe(const Atmosphere& atmosphere, int orders) {
-  const std::vector<double>& scattering = atmosphere.aerosol.scattering_per_m;
   NarrowLobe lobe = NarrowLobe::none;
-  if (atmosphere.aerosol.density.empty() ||
-      std::none_of(scattering.begin(), scattering.end(), [](double b) { return b > 0.0; })) {
-    return lobe;
-  }
-  for (std::size_t i = 0; orders > 1 && i < scattering.size(); ++i) {
+  if (!scatters(atmosphere.aerosol)) return lobe;
+  for (std::size_t i = 0; orders > 1 && i < atmosphere.aerosol.scattering_per_m.size(); ++i) {
     const double g = aerosol_asymmetry(atmosphere, i);
     if (phase_spectrum(atmosphere, g).narrow) return NarrowLobe::forward;
     if (g < kNarrowBackward) lobe = NarrowLobe::backward;
@@ -375,7 +371,6 @@ AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards)
   lobe.gap = (1.0 - ahead) * (1.0 - ahead);
   lobe.slope = 2.0 * ahead;
   lobe.even = cornette ? 1.0 : 0.0;
-  lobe.backwards = backwards;
   return lobe;
 }
 

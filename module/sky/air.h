@@ -17,6 +17,11 @@ inline constexpr std::size_t kMaxConstituents = 6;
 inline constexpr std::size_t kRayleigh = 0;
 inline constexpr std::size_t kAerosol = 1;
 
+/// Whether there is any of it, and it scatters light.
+[[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
+/// ... or absorbs any: what does neither must not cut the air into shells.
+[[nodiscard]] bool matters(const Constituent& constituent) noexcept;
+
 /// A number for each constituent; those that an atmosphere has not are 0.
 using PerConstituent = std::array<double, kMaxConstituents>;
 
@@ -56,8 +61,6 @@ class AirModel {
   /// Shells within which no density is too steep. `faint`: the share of what all else takes of the light below which
   /// matter does not count.
   [[nodiscard]] std::vector<double> cut_at(const std::vector<double>& breaks, double faint) const;
-  /// Whether it has any effect: what has none must not cut the air into shells.
-  [[nodiscard]] static bool matters(const Constituent& constituent) noexcept;
   [[nodiscard]] bool fainter(double share, std::size_t constituent, double altitude) const noexcept;
   [[nodiscard]] double steepness(double low, double high, double faint) const noexcept;
 
@@ -123,8 +126,7 @@ inline constexpr int kNarrowBands = 28;  ///< of a narrow lobe
 
 /// Moments chi_l of phase functions, p(cosine) = sum over l of (2 l + 1) / (4 pi) chi_l P_l(cosine), chi_0 = 1.
 struct PhaseSpectrum {
-  std::vector<double> rayleigh;  ///< 1, 0, 1/10
-  std::vector<double> aerosol;   ///< as many as bands
+  std::vector<double> aerosol;  ///< as many as bands
   int bands = 3;
   bool narrow = false;
   double forward = 0.0;  ///< share of what the aerosol scatters that is taken not to be scattered at all
@@ -183,7 +185,6 @@ struct AerosolLobe {
   double gap;    ///< (1 - g)^2; if `backwards`, (1 + g)^2
   double slope;  ///< 2 g; if `backwards`, -2 g
   double even;   ///< 1: Cornette-Shanks; 0: Henyey-Greenstein
-  bool backwards;
 };
 
 [[nodiscard]] AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept;

@@ -28,11 +28,8 @@ constexpr std::size_t kMaxWavelengths = 96;
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 
-/// `not in range` also of a NaN.
 void require(const std::string& what, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  refuse("the atmosphere's " + what + " is " + platform::number_text(value) + "; it must be from " +
-         platform::number_text(low) + " to " + platform::number_text(high));
+  platform::require_between("the atmosphere's " + what, value, low, high);
 }
 
 /// A forward lobe too narrow for the bands of scattered light can be taken for light that goes straight on; one that
@@ -172,17 +169,15 @@ Atmosphere without_aerosol(Atmosphere atmosphere) {
 
 Atmosphere with_ground_albedo(Atmosphere atmosphere, double albedo) {
   const platform::FloatingPointScope floating_point;
-  require("ground albedo", albedo, 0.0, 1.0);
+  platform::require_between("the ground's albedo", albedo, 0.0, 1.0);
   atmosphere.ground_albedo.assign(atmosphere.wavelengths_nm.size(), albedo);
   return atmosphere;
 }
 
 glm::dvec3 sun_direction(double elevation_degrees, double azimuth_degrees) {
   const platform::FloatingPointScope floating_point;
-  require("sun's elevation", elevation_degrees, -90.0, 90.0);
-  if (!(std::abs(azimuth_degrees) <= 1e6)) {
-    refuse("the sun's azimuth is " + platform::number_text(azimuth_degrees) + " degrees; it must be from -1e6 to 1e6");
-  }
+  platform::require_between("the sun's elevation in degrees", elevation_degrees, -90.0, 90.0);
+  platform::require_between("the sun's azimuth in degrees", azimuth_degrees, -1e6, 1e6);
   const math::SineCosine elevation = math::sine_cosine_of_turns(elevation_degrees / 360.0);
   const math::SineCosine azimuth = math::sine_cosine_of_turns(azimuth_degrees / 360.0);
   // y is up, and the azimuth is counted from +z towards +x.

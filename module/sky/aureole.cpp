@@ -57,9 +57,18 @@ double glow_depth(double depth, double g, double forward) {
   return std::min((1.0 + kLonger * (1.0 - g)) * depth / forward, kThickestGlow);
 }
 
-/// The sum of the bands' moments, (2 l + 1) / (4 pi) m_l: [bands][depths], over P: [angles][depths]. Angles are even in
-/// the fourth root of (1 - cosine) / 2.
-std::vector<double> over_phase(const Atmosphere& atmosphere, double g, const std::vector<double>& moments) {
+double band_factor(std::size_t l) { return (2.0 * static_cast<double>(l) + 1.0) / (4.0 * std::numbers::pi); }
+
+/// The sum of the bands' moments, (2 l + 1) / (4 pi) m_l = moment(l, chi_l, depth's node), over P: [angles][depths].
+/// Angles are even in the fourth root of (1 - cosine) / 2.
+template <class Moment>
+std::vector<double> over_phase(const Atmosphere& atmosphere, double g, double forward, const Moment& moment) {
+  const std::vector<double> chi = moments_of(atmosphere, g, forward);
+  std::vector<double> moments;
+  moments.reserve(chi.size() * kDepths);
+  for (std::size_t l = 0; l < chi.size(); ++l) {
+    for (std::size_t d = 0; d < kDepths; ++d) moments.push_back(moment(l, chi[l], d));
+  }
   std::vector<double> table;
   table.reserve(kAureoleAngles * kDepths);
   for (int angle = 0; angle < kAureoleAngles; ++angle) {
@@ -68,7 +77,7 @@ std::vector<double> over_phase(const Atmosphere& atmosphere, double g, const std
     std::array<double, kDepths> sums{};
     double before = 0.0;
     double here = 1.0;  // P_l(cosine)
-    for (std::size_t l = 0; l < moments.size() / kDepths; ++l) {
+    for (std::size_t l = 0; l < chi.size(); ++l) {
       for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * here;
       const auto degree = static_cast<double>(l);
       const double next = ((2.0 * degree + 1.0) * cosine * here - degree * before) / (degree + 1.0);
@@ -81,19 +90,13 @@ std::vector<double> over_phase(const Atmosphere& atmosphere, double g, const std
   return table;
 }
 
-double band_factor(std::size_t l) { return (2.0 * static_cast<double>(l) + 1.0) / (4.0 * std::numbers::pi); }
-
 /// (P + D) / P.
 std::vector<double> once_table(const Atmosphere& atmosphere, double g, double forward) {
-  const std::vector<double> chi = moments_of(atmosphere, g, forward);
   const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
-  std::vector<double> moments(chi.size() * kDepths);
-  for (std::size_t l = 0; l < chi.size(); ++l) {
-    const double straight = l < bands ? 1.0 : std::min(1.0, chi[l] / forward);
-    const double factor = band_factor(l) * forward;
-    for (std::size_t d = 0; d < kDepths; ++d) moments[l * kDepths + d] = factor * change(depth_of(d), straight);
-  }
-  std::vector<double> table = over_phase(atmosphere, g, moments);
+  std::vector<double> table = over_phase(atmosphere, g, forward, [&](std::size_t l, double chi, std::size_t d) {
+    const double straight = l < bands ? 1.0 : std::min(1.0, chi / forward);
+    return band_factor(l) * forward * change(depth_of(d), straight);
+  });
   for (double& value : table) value = std::max(0.0, 1.0 + value);
   return table;
 }
@@ -105,25 +108,18 @@ std::vector<double> once_table(const Atmosphere& atmosphere, double g, double fo
 /// `more` = (exp(tau chi) - 1 - tau chi) / tau = tau chi^2 / 2 + ... The part exp(-x) chi of all bands is exp(-x) P in
 /// closed form, added at the end; only the rest is summed by bands, divided by P.
 std::vector<double> narrow_once_table(const Atmosphere& atmosphere, double g, double forward) {
-  const std::vector<double> chi = moments_of(atmosphere, g, forward);
   const auto bands = static_cast<std::size_t>(phase_spectrum(atmosphere, g).bands);
-  std::vector<double> moments(chi.size() * kDepths);
-  for (std::size_t d = 0; d < kDepths; ++d) {
-    const double x = depth_of(d);
-    const double once = math::exponential(-x);
-    for (std::size_t l = 0; l < chi.size(); ++l) {
-      const double tau = x / forward;
-      // (exp(tau chi) - 1 - tau chi) / tau
-      const double more = tau * chi[l] < kShallow ? 0.5 * tau * chi[l] * chi[l]
-                                                  : (math::exponential(tau * chi[l]) - 1.0 - tau * chi[l]) / tau;
-      const double all = l < bands ? chi[l] + forward * change(x, 1.0) : once * (chi[l] + more);
-      moments[l * kDepths + d] = band_factor(l) * (all - once * chi[l]);
-    }
-  }
-  std::vector<double> table = over_phase(atmosphere, g, moments);
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = std::max(0.0, math::exponential(-depth_of(i % kDepths)) + table[i]);
-  }
+  std::array<double, kDepths> once;
+  for (std::size_t d = 0; d < kDepths; ++d) once[d] = math::exponential(-depth_of(d));
+  std::vector<double> table = over_phase(atmosphere, g, forward, [&](std::size_t l, double chi, std::size_t d) {
+    const double tau = depth_of(d) / forward;
+    // (exp(tau chi) - 1 - tau chi) / tau
+    const double more =
+        tau * chi < kShallow ? 0.5 * tau * chi * chi : (math::exponential(tau * chi) - 1.0 - tau * chi) / tau;
+    const double all = l < bands ? chi + forward * change(depth_of(d), 1.0) : once[d] * (chi + more);
+    return band_factor(l) * (all - once[d] * chi);
+  });
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = std::max(0.0, once[i % kDepths] + table[i]);
   return table;
 }
 
@@ -131,14 +127,9 @@ std::vector<double> narrow_once_table(const Atmosphere& atmosphere, double g, do
 /// S_l = once(tau) chi_l + often(tau, chi_l): the first part is once(tau) P in closed form, and the second falls as
 /// chi^2, so that its sum of bands is cut where nothing is left. tau = x / f, longer by `kLonger`.
 std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double forward) {
-  const std::vector<double> chi = moments_of(atmosphere, g, forward);
-  std::vector<double> moments(chi.size() * kDepths);
-  for (std::size_t l = 0; l < chi.size(); ++l) {
-    for (std::size_t d = 0; d < kDepths; ++d) {
-      moments[l * kDepths + d] = band_factor(l) * often(glow_depth(depth_of(d), g, forward), chi[l]);
-    }
-  }
-  std::vector<double> table = over_phase(atmosphere, g, moments);
+  std::vector<double> table = over_phase(atmosphere, g, forward, [&](std::size_t l, double chi, std::size_t d) {
+    return band_factor(l) * often(glow_depth(depth_of(d), g, forward), chi);
+  });
   for (std::size_t i = 0; i < table.size(); ++i) {
     table[i] = std::max(0.0, table[i]) + once(glow_depth(depth_of(i % kDepths), g, forward));
   }

@@ -96,13 +96,6 @@ double column_m(const Atmosphere& air, double scale_height_m) {
   return scale_height_m * (1.0 - math::exponential(-(air.top_radius_m - air.bottom_radius_m) / scale_height_m));
 }
 
-void require_aerosol(const char* what, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw Error(ErrorCode::invalid_argument, std::string("the aerosol's ") + what + " is " +
-                                               platform::number_text(value) + "; it must be from " +
-                                               platform::number_text(low) + " to " + platform::number_text(high));
-}
-
 constexpr double kReferenceWavelength = 550.0;  // nm
 constexpr double kEarthScaleHeight = 8000.0;    // m, of molecules (Bruneton 2017)
 
@@ -153,11 +146,11 @@ AerosolModel aerosol_model(AerosolKind kind) {
 
 Atmosphere with_aerosol(Atmosphere atmosphere, const AerosolModel& aerosol) {
   const platform::FloatingPointScope floating_point;
-  require_aerosol("optical_depth", aerosol.optical_depth, 0.0, 100.0);
-  require_aerosol("angstrom_exponent", aerosol.angstrom_exponent, -4.0, 8.0);
-  require_aerosol("single_scattering_albedo", aerosol.single_scattering_albedo, 0.0, 1.0);
-  require_aerosol("asymmetry", aerosol.asymmetry, -0.8, 0.999);
-  require_aerosol("scale_height_m", aerosol.scale_height_m, 1.0, 1e6);
+  platform::require_between("the aerosol's optical_depth", aerosol.optical_depth, 0.0, 100.0);
+  platform::require_between("the aerosol's angstrom_exponent", aerosol.angstrom_exponent, -4.0, 8.0);
+  platform::require_between("the aerosol's single_scattering_albedo", aerosol.single_scattering_albedo, 0.0, 1.0);
+  platform::require_between("the aerosol's asymmetry", aerosol.asymmetry, -0.8, 0.999);
+  platform::require_between("the aerosol's scale_height_m", aerosol.scale_height_m, 1.0, 1e6);
   atmosphere.aerosol = {exponential_profile(aerosol.scale_height_m), {}, {}};
   atmosphere.aerosol_phase = AerosolPhase::henyey_greenstein;
   atmosphere.aerosol_asymmetry = aerosol.asymmetry;

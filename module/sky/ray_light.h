@@ -11,7 +11,6 @@
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 #include "sky/sunlight.h"
 #include "sky/table_mapping.h"
 

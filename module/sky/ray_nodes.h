@@ -3,25 +3,18 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "sky/air.h"
+#include "sky/table_mapping.h"
+#include "welkin/core.h"
 
 namespace welkin::sky {
 
 inline constexpr std::size_t kPanelNodes = 4;   ///< of Gauss and Legendre
 inline constexpr std::size_t kMaxPanels = 384;  ///< of one ray
 inline constexpr std::size_t kMaxRayNodes = kPanelNodes * kMaxPanels;
-
-/// A ray: from an altitude along a zenith cosine, to the ground or the top.
-struct Ray {
-  double altitude;
-  double zenith_cosine;
-  bool ground;
-  double length;  ///< metres
-
-  bool operator==(const Ray&) const = default;
-};
 
 /// Places along a ray, rising, at which it passes shells and where it is nearest to the ground; 0 and its length too.
 /// Scratch of a fixed size: nothing is allocated after construction.
@@ -46,6 +39,24 @@ class RayPanels {
 
 /// Density integrated along a whole ray, metres, each constituent's. Relative error some 1e-6.
 [[nodiscard]] PerConstituent lengths_along(const AirModel& air, const Ray& ray, RayPanels& panels) noexcept;
+
+// Density-weighted lengths along the rays of a table: no wavelength changes them, no ground, and no amount of haze.
+
+struct RayLengths {
+  std::vector<PerConstituent> amounts;  ///< `lengths_along` each ray
+
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return sizeof *this +
+           amounts.size() * (sizeof(PerConstituent) + sizeof(Ray));  // the rays are kept too, to be compared
+  }
+};
+
+/// Those of the last few tables are kept: a sky that only changes its ground or how much of its haze there is computes
+/// them once. Throws `Error` (cancelled).
+[[nodiscard]] std::shared_ptr<const RayLengths> lengths_of(const AirModel& air, std::vector<Ray> rays,
+                                                           const Control& control);
+
+// Samples of a ray.
 
 /// Extinction of each constituent at three wavelengths, 1/m.
 using Extinctions = std::array<PerConstituent, 3>;

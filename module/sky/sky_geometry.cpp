@@ -3,14 +3,62 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <string>
 
 #include "math/direction.h"
+#include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/text.h"
-#include "welkin/core.h"
+#include "sky/sky_kernels.h"
 
 namespace welkin::sky {
+namespace {
+
+/// Below, a float may lose digits.
+constexpr double kMinBrightness = 1e-30;
+constexpr double kLargestFall = 0.01;
+/// Where light goes out within a step, a cubic swings beyond its nodes: so far it may leave the range of the nearest.
+constexpr double kMinSwing = 0.9;
+constexpr double kMaxSwing = 1.1;
+
+}  // namespace
+
+void limit_decay(std::span<double> nodes) noexcept {
+  for (std::size_t k = 1; k < nodes.size(); ++k) nodes[k] = std::max(nodes[k], kLargestFall * nodes[k - 1]);
+  for (std::size_t k = nodes.size(); k-- > 1;) nodes[k - 1] = std::max(nodes[k - 1], kLargestFall * nodes[k]);
+}
+
+// A cubic of the logarithm is exact for exponentials of cubics, and follows light that falls by decades, where a cubic
+// of the light itself may swing below 0. A straight line over 1/32 of a step that changes it by a factor e exceeds the
+// exponential by (1/32)^2 / 8 = 1.2e-4 in the middle.
+std::vector<float> resample_log_cubic(std::span<const double> nodes) {
+  const auto count = static_cast<int>(nodes.size());
+  std::vector<double> logarithms;
+  for (const double value : nodes) logarithms.push_back(value > kMinBrightness ? math::logarithm(value) : 0.0);
+  std::vector<float> steps;
+  for (int k = 0; k <= (count - 1) * kSunSteps; ++k) {
+    const int node = std::min(k / kSunSteps, count - 2);
+    const double part = static_cast<double>(k - node * kSunSteps) / kSunSteps;
+    const Cubic cubic = cubic_at(node + part, count);
+    double logarithm = 0.0;
+    bool positive = true;
+    for (int i = 0; i < std::min(count, 4); ++i) {
+      const auto at = static_cast<std::size_t>(cubic.first + i);
+      positive = positive && nodes[at] > kMinBrightness;
+      logarithm += cubic.weights[i] * logarithms[at];
+    }
+    const double low = nodes[static_cast<std::size_t>(node)];
+    const double high = nodes[static_cast<std::size_t>(node) + 1];
+    if (!positive) {
+      const auto at = static_cast<std::size_t>(node);
+      logarithm = logarithms[at] + part * (logarithms[at + 1] - logarithms[at]);
+      positive = low > kMinBrightness && high > kMinBrightness;
+    }
+    const double value = positive ? math::exponential(logarithm) : low + part * (high - low);
+    const double limited = std::clamp(value, kMinSwing * std::min(low, high), kMaxSwing * std::max(low, high));
+    steps.push_back(limited > kMinBrightness ? static_cast<float>(limited) : 0.0F);
+  }
+  return steps;
+}
 
 // Int f(mu) dmu over the three parts, mu = horizon - (1 + horizon) t^2 with dmu = (1 + horizon) 2 t dt, mu = horizon
 // (1 - t), and mu = t^2 with dmu = 2 t dt; the weights add up to 2. Along rays to the ground the length is
@@ -36,25 +84,16 @@ DirectionRule direction_rule(double horizon) {
   return rule;
 }
 
-void check_altitude(double altitude_m) {
-  if (altitude_m >= 0.0 && altitude_m <= kHighestAltitude) return;
-  throw Error(ErrorCode::invalid_argument, "the altitude is " + platform::number_text(altitude_m) +
-                                               " m; it must be from 0 (the ground) to " +
-                                               platform::number_text(kHighestAltitude));
-}
+void check_altitude(double altitude_m) { platform::require_between("the altitude in metres", altitude_m, 0.0, 1e9); }
 
 SunAngles sun_angles(const glm::dvec3& sun) {
-  static_cast<void>(math::moderate_direction(sun, "the sun's direction"));
-  const double largest = std::max({std::abs(sun.x), std::abs(sun.y), std::abs(sun.z)});
-  const double x = sun.x / largest;  // no square overflows or vanishes
-  const double y = sun.y / largest;
-  const double z = sun.z / largest;
-  const double across = std::sqrt(x * x + z * z);
-  const double length = std::sqrt(across * across + y * y);
-  SunAngles angles{.zenith_cosine = y / length, .zenith_sine = across / length};
+  const glm::dvec3 scaled = math::rescaled_direction(sun, "the sun's direction");  // no square overflows or vanishes
+  const double across = std::sqrt(scaled.x * scaled.x + scaled.z * scaled.z);
+  const double length = std::sqrt(across * across + scaled.y * scaled.y);
+  SunAngles angles{.zenith_cosine = scaled.y / length, .zenith_sine = across / length};
   if (across > 0.0) {
-    angles.azimuth_cosine = z / across;
-    angles.azimuth_sine = x / across;
+    angles.azimuth_cosine = scaled.z / across;
+    angles.azimuth_sine = scaled.x / across;
   }
   return angles;
 }

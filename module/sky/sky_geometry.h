@@ -10,7 +10,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <string>
+#include <span>
+#include <vector>
 
 #include "math/direction.h"
 
@@ -108,6 +109,19 @@ struct Cubic {
   return cubic;
 }
 
+// A brightness over suns that stand at the nodes of a table, between those nodes.
+
+/// A brightness that is known at nodes and falls by decades between suns, kSunSteps times as densely:
+/// (nodes - 1) kSunSteps + 1 values. Between nodes its logarithm is the cubic through the four nearest, where one of
+/// them is 0 the straight line between the two nearest, and where one of those is 0 a straight line it is; it leaves
+/// the range of the two nearest by no more than a tenth, and what is below 1e-30 is 0. Where a step of nodes changes
+/// the brightness by a factor e, straight lines between what is returned are within 1.3e-4.
+[[nodiscard]] std::vector<float> resample_log_cubic(std::span<const double> nodes);
+
+/// Of a brightness that something else is told relative to: no node is darker than a hundredth of either neighbour, as
+/// what is left where light goes out may come from one direction alone and tells nothing of the sun before.
+void limit_decay(std::span<double> nodes) noexcept;
+
 // Directions at a height that light is summed over.
 
 /// Directions of the quadrature at a height: over the ground, between the horizon and the horizontal, and upwards, each
@@ -125,11 +139,7 @@ struct DirectionRule {
 /// `horizon`: cosine of the zenith angle of the horizon at that height, -1 to 0.
 [[nodiscard]] DirectionRule direction_rule(double horizon);
 
-// What places in skies must be.
-
-inline constexpr double kHighestAltitude = 1e9;  // m
-
-/// Throws `Error` (invalid_argument).
+/// Throws `Error` (invalid_argument) for a viewer's altitude below 0 or above 1e9 m.
 void check_altitude(double altitude_m);
 
 // A sun's direction as what skies ask of it.

@@ -15,6 +15,9 @@ namespace welkin::sky {
 // sun is: its zenith's cosine mu_s where the ray starts, and its cosine nu with the ray. At a sample, with r the radius
 // at the start and r' there, s the distance between: mu_s' = (r mu_s + s nu) / r'.
 
+/// Straight pieces between two nodes of suns, of a brightness (sky/sky_geometry.h, resample_log_cubic).
+inline constexpr int kSunSteps = 32;
+
 /// Suns of a ray. All arrays have `count` entries, a multiple of 16.
 struct SkySuns {
   const float* zenith_cosine;  ///< mu_s
@@ -108,11 +111,11 @@ struct SkyRing {
 /// harmonics[pairs][3][16] += the ring's share.
 using ProjectSkyRing = void (*)(const SkyRing& ring, float* harmonics);
 
-/// by_order[m][3][16] = the sum over l < `used`, l >= m, of weights[pair] harmonics[pair], m < `used`.
-using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, int used, float* by_order);
+/// by_order[m][3][16] = the sum over l < bands, l >= m, of weights[pair] harmonics[pair], m < bands.
+using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, float* by_order);
 
-/// out[16][4], red, green, blue and 0: the sum over m < used of by_order[m][c] cos(m phi), not below 0, given cos phi.
-using SumSkyOrders = void (*)(const float* by_order, int used, const float* azimuth_cosines, float* out);
+/// out[16][4], red, green, blue and 0: the sum over m < bands of by_order[m][c] cos(m phi), not below 0, given cos phi.
+using SumSkyOrders = void (*)(const float* by_order, int bands, const float* azimuth_cosines, float* out);
 
 struct SolverKernels {
   AddSunlight add_sunlight;
@@ -186,7 +189,7 @@ struct SkyRun {
   SunTaps sun_taps;     ///< from inside
   double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
   AzimuthTerms azimuth_terms;
-  const float* brightness;  ///< of suns, in steps between nodes (sky/sun_brightness.h, resample_log_cubic): [(suns - 1)
+  const float* brightness;  ///< of suns, in steps between nodes (resample_log_cubic): [(suns - 1)
                             ///< steps + 1]
   float fade;
 

@@ -9,10 +9,10 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
@@ -29,12 +29,6 @@ constexpr int kLargestSize = 16384;
 constexpr int kChunk = 64;                // directions
 constexpr int kTileTexels = 1024;         // some 50 microseconds
 constexpr std::int64_t kTexelCost = 100;  // in texels that are only read: `jobs::placement_for` counts those
-
-void check_size(const char* what, int size) {
-  if (size >= 1 && size <= kLargestSize) return;
-  throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + std::to_string(size) +
-                                               "; it must be from 1 to " + std::to_string(kLargestSize));
-}
 
 /// A slice reduced to one sun, for many rows of a picture.
 class SunnySlice {
@@ -76,26 +70,20 @@ class SunnySlice {
 /// row(j) once for each of `rows` rows of `columns` texels.
 template <class Row>
 void for_rows(int rows, int columns, const Control& control, const Row& row) {
-  const int together = std::clamp(kTileTexels / columns, 1, rows);
-  const int tiles = (rows + together - 1) / together;
   const jobs::Placement placement = jobs::placement_for(kTexelCost * rows * columns);
-  jobs::run_tiles(static_cast<std::size_t>(tiles), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * together;
-                    for (int j = first; j < std::min(rows, first + together); ++j) row(j);
-                  });
+  jobs::run_rows(rows, std::clamp(kTileTexels / columns, 1, rows), placement, jobs::worker_count(placement), control,
+                 [&](int j, std::size_t) { row(j); });
 }
 
 /// Adds the sun's disc: each texel gets the share of the directional light's irradiance that it covers of the disc.
-template <class Covered>
-void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, const Covered& covered,
-              std::span<float> pixels) {
+void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, std::span<float> pixels) {
   const platform::FloatingPointScope floating_point;
   const Sun sun = view.sun_light(towards);
   if (!(std::max({sun.irradiance.r, sun.irradiance.g, sun.irradiance.b}) > 0.0)) return;
   const math::SineCosine radius = math::sine_cosine_of_turns(sun.angular_radius_degrees / 360.0);
   const double horizon = sky::horizon_cosine(view.tables()->atmosphere.bottom_radius_m, view.altitude_m());
-  const std::vector<sky::CoveredTexel> texels = covered({sun.direction, radius.sine, radius.cosine, horizon});
+  const std::vector<sky::CoveredTexel> texels =
+      sky::covered_texels({sun.direction, radius.sine, radius.cosine, horizon}, grid);
   std::vector<std::int64_t> numbers;
   double whole = 0.0;
   for (const sky::CoveredTexel& texel : texels) {
@@ -119,7 +107,7 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
 Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
                     const Control& control) {
   const platform::FloatingPointScope floating_point;
-  check_size("the sky's cubemap size", size);
+  image::require_range("the sky's cubemap size", size, 1, kLargestSize);
   const auto edge = static_cast<std::size_t>(size);
   Cubemap picture(size, 1, control.memory);
   const SunnySlice slice(view, sun);
@@ -130,18 +118,14 @@ Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const 
         size, [&](int i) { return row + ((2.0 * i + 1.0) / size - 1.0) * frame.u; },
         picture.face(0) + 3 * edge * static_cast<std::size_t>(j));
   });
-  if (options.sun_disc) {
-    add_disc(
-        view, sun, image::TexelGrid::cubemap(size),
-        [&](const sky::VisibleDisc& disc) { return sky::covered_cubemap_texels(disc, size); }, picture.pixels());
-  }
+  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::cubemap(size), picture.pixels());
   return picture;
 }
 
 LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height, const SkyPictureOptions& options,
                           const Control& control) {
   const platform::FloatingPointScope floating_point;
-  check_size("the sky's lat-long height", height);
+  image::require_range("the sky's lat-long height", height, 1, kLargestSize);
   const int width = 2 * height;
   const auto columns = static_cast<std::size_t>(width);
   LatLongImage picture{width, height, std::vector<float>(3 * columns * static_cast<std::size_t>(height))};
@@ -159,12 +143,7 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
         },
         picture.pixels.data() + 3 * columns * static_cast<std::size_t>(j));
   });
-  if (options.sun_disc) {
-    add_disc(
-        view, sun, image::TexelGrid::lat_long(width, height),
-        [&](const sky::VisibleDisc& disc) { return sky::covered_lat_long_texels(disc, width, height); },
-        picture.pixels);
-  }
+  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::lat_long(width, height), picture.pixels);
   return picture;
 }
 
@@ -338,49 +317,46 @@ glm::dvec3 highest(const VisibleDisc& disc) {
   return {disc.centre.x / level * sine, disc.horizon_cosine, disc.centre.z / level * sine};
 }
 
-int texel_of(double position, int count) { return std::clamp(static_cast<int>(std::floor(position)), 0, count - 1); }
-
-void sort_and_fill(std::vector<CoveredTexel>& found, std::size_t otherwise) {
-  if (found.empty()) found.push_back({otherwise, 1.0});
-  std::sort(found.begin(), found.end(), [](const CoveredTexel& a, const CoveredTexel& b) { return a.texel < b.texel; });
+/// The texel in which a direction lies.
+std::size_t texel_of(const image::TexelGrid& grid, const glm::dvec3& direction) {
+  const auto inside = [](double position, int count) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(std::floor(position)), 0, count - 1));
+  };
+  const int columns = grid.columns();
+  const auto width = static_cast<std::size_t>(columns);
+  if (grid.kind() == image::TexelGrid::Kind::lat_long) {
+    const double level = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+    // Rows are even in latitude from 1/4 turn down to -1/4, columns in longitude from +1/2 turn down to -1/2.
+    const std::size_t row = inside((0.25 - math::turns_of(direction.y, level)) * 2.0 * grid.rows(), grid.rows());
+    return row * width + inside((0.5 - math::turns_of(direction.x, direction.z)) * columns, columns);
+  }
+  const int face = image::face_of(direction);
+  const image::Frame& frame = image::face_frame(face);
+  // A direction p meets the face's plane at p / (p . normal), where u and v run from -1 to 1 over `columns` texels.
+  const double scale = 0.5 * columns / glm::dot(direction, frame.normal);
+  const std::size_t row = inside(0.5 * columns + scale * glm::dot(direction, frame.v), columns);
+  return (static_cast<std::size_t>(face) * width + row) * width +
+         inside(0.5 * columns + scale * glm::dot(direction, frame.u), columns);
 }
 
 }  // namespace
 
-std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int size) {
+std::vector<CoveredTexel> covered_texels(const VisibleDisc& disc, const image::TexelGrid& grid) {
   std::vector<CoveredTexel> found;
-  const std::size_t face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  const double edge = size;
-  for (int face = 0; face < 6 && disc.radius_sine > 0.0; ++face) {
-    Coverage(disc, CubeFace{size, face}, static_cast<std::size_t>(face) * face_texels, size, found)
-        .visit({0.0, edge, 0.0, edge});
+  const double columns = grid.columns();
+  if (disc.radius_sine > 0.0 && grid.kind() == image::TexelGrid::Kind::lat_long) {
+    Coverage(disc, LatLong{grid.columns(), grid.rows()}, 0, grid.columns(), found)
+        .visit({0.0, columns, 0.0, static_cast<double>(grid.rows())});
+  } else if (disc.radius_sine > 0.0) {
+    const auto face_texels = static_cast<std::size_t>(grid.texels() / 6);
+    for (int face = 0; face < 6; ++face) {
+      Coverage(disc, CubeFace{grid.columns(), face}, static_cast<std::size_t>(face) * face_texels, grid.columns(),
+               found)
+          .visit({0.0, columns, 0.0, columns});
+    }
   }
-  const glm::dvec3 position = highest(disc);
-  const int face = image::face_of(position);
-  const image::Frame& frame = image::face_frame(face);
-  // A direction p meets the face's plane at p / (p . normal), where u and v run from -1 to 1 over `size` texels.
-  const double scale = 0.5 * size / glm::dot(position, frame.normal);
-  const int column = texel_of(0.5 * size + scale * glm::dot(position, frame.u), size);
-  const int row = texel_of(0.5 * size + scale * glm::dot(position, frame.v), size);
-  sort_and_fill(found, static_cast<std::size_t>(face) * face_texels +
-                           static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
-                           static_cast<std::size_t>(column));
-  return found;
-}
-
-std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int width, int height) {
-  std::vector<CoveredTexel> found;
-  if (disc.radius_sine > 0.0) {
-    Coverage(disc, LatLong{width, height}, 0, width, found)
-        .visit({0.0, static_cast<double>(width), 0.0, static_cast<double>(height)});
-  }
-  const glm::dvec3 position = highest(disc);
-  const double level = std::sqrt(position.x * position.x + position.z * position.z);
-  // Rows are even in latitude from 1/4 turn down to -1/4, columns in longitude from +1/2 turn down to -1/2.
-  const int row = texel_of((0.25 - math::turns_of(position.y, level)) * 2.0 * height, height);
-  const int column = texel_of((0.5 - math::turns_of(position.x, position.z)) * width, width);
-  sort_and_fill(found,
-                static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column));
+  if (found.empty()) found.push_back({texel_of(grid, highest(disc)), 1.0});
+  std::sort(found.begin(), found.end(), [](const CoveredTexel& a, const CoveredTexel& b) { return a.texel < b.texel; });
   return found;
 }
 

@@ -24,8 +24,7 @@ struct CoveredTexel {
 };
 
 /// All of them, rising. Areas are right to 1e-3 of the disc's. If it is smaller than can be resolved, or a point: the
-/// texel in which its highest point lies, with 1. `size`: a cubemap's edge.
-[[nodiscard]] std::vector<CoveredTexel> covered_cubemap_texels(const VisibleDisc& disc, int size);
-[[nodiscard]] std::vector<CoveredTexel> covered_lat_long_texels(const VisibleDisc& disc, int width, int height);
+/// texel in which its highest point lies, with 1.
+[[nodiscard]] std::vector<CoveredTexel> covered_texels(const VisibleDisc& disc, const image::TexelGrid& grid);
 
 }  // namespace welkin::sky

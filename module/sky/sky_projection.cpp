@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "image/pixels.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
@@ -24,16 +25,10 @@ namespace {
 
 constexpr int kMaxAzimuths = 256;
 
-void check_range(const char* what, int value, int least, int most) {
-  if (value >= least && value <= most) return;
-  throw Error(ErrorCode::invalid_argument, "sky harmonics: " + std::to_string(value) + " " + what + "; " +
-                                               std::to_string(least) + " to " + std::to_string(most) + " are possible");
-}
-
 void check(const SkyHarmonicsOptions& options) {
-  check_range("bands", options.bands, 1, kMaximumBands);
-  check_range("zeniths", options.zeniths, 2, 128);
-  check_range("azimuths", options.azimuths, 2, kMaxAzimuths);
+  image::require_range("bands of sky harmonics", options.bands, 1, kMaximumBands);
+  image::require_range("zeniths of sky harmonics", options.zeniths, 2, 128);
+  image::require_range("azimuths of sky harmonics", options.azimuths, 2, kMaxAzimuths);
   switch (options.quadrature) {
     case SkyQuadrature::uniform:
     case SkyQuadrature::gauss:
@@ -208,7 +203,7 @@ std::uint64_t projection_bytes(const SkyTableOptions& tables, const SkyHarmonics
   const std::uint64_t of_azimuths = static_cast<std::uint64_t>(options.azimuths) *
                                     (64 + 2 * static_cast<std::uint64_t>(options.bands) * sizeof(float));
   // Their vector doubles, and a row of the slice is at hand while a group is filled.
-  return groups * (group + 3 * sizeof(RingGroup)) + texels * kSliceRow * sizeof(float) + of_azimuths +
+  return groups * (group + 3 * sizeof(RingGroup)) + texels * kSkyRow * sizeof(float) + of_azimuths +
          sizeof(SkyProjection) + (std::uint64_t{64} << 10U);
 }
 
@@ -238,7 +233,7 @@ void SkyProjection::fill_values(RingGroup& group) const {
   const auto suns = static_cast<std::size_t>(slice_.suns());
   const std::size_t count = static_cast<std::size_t>(slice_.azimuths()) * suns;
   group.values = platform::AlignedBuffer<float>(count * kSkyChannels * kRings);
-  std::vector<float> rows(count * kSliceRow);
+  std::vector<float> rows(count * kSkyRow);
   for (std::size_t lane = 0; lane < kRings; ++lane) {
     const ViewLookup point = slice_.view_lookup(group.cosines[lane]);
     slice_.view_rows(point.taps, rows.data());
@@ -255,7 +250,7 @@ void SkyProjection::fill_values(RingGroup& group) const {
     }
     for (std::size_t k = 0; k < count; ++k) {
       float* const to = group.values.data() + k * kSkyChannels * kRings + lane;
-      for (std::size_t c = 0; c < kSkyChannels; ++c) to[c * kRings] = rows[k * kSliceRow + c + c / 3];
+      for (std::size_t c = 0; c < kSkyChannels; ++c) to[c * kRings] = rows[k * kSkyRow + c + c / 3];
     }
   }
 }
@@ -276,7 +271,7 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunLookup
   const double over = horizon_ * sun.zenith_cosine + horizon_sine * sun.zenith_sine;   // cosine
   const double angle = over > 0.0 ? above : (above < 0.0 ? -1.0 : 1.0);
   const ViewLookup view = slice_.view_lookup(std::max(sun.zenith_cosine, horizon_));
-  const Taps azimuth = slice_.azimuth_taps(1.0, sun.zenith_cosine);
+  const CubicTaps azimuth = slice_.azimuth_taps(1.0, sun.zenith_cosine);
   const auto suns = static_cast<std::ptrdiff_t>(slice_.suns());
   for (int v = 0; v < 4; ++v) {
     for (int a = 0; a < 4; ++a) {
@@ -284,8 +279,8 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunLookup
           (static_cast<std::ptrdiff_t>(view.taps.first + v) * slice_.azimuths() + azimuth.first + a) * suns;
       const double weight = static_cast<double>(view.taps.weights[v]) * static_cast<double>(azimuth.weights[a]);
       for (int s = 0; s < 4; ++s) {
-        const float* const values = slice_.values() + (row + point.taps.first + s) * kSliceRow + 4;
-        const double part = weight * static_cast<double>(point.taps.weights[s]);
+        const float* const values = slice_.values() + (row + point.taps.cubic.first + s) * kSkyRow + 4;
+        const double part = weight * static_cast<double>(point.taps.cubic.weights[s]);
         for (std::size_t c = 0; c < 3; ++c) lobe[c] += part * static_cast<double>(values[c]);
       }
     }
@@ -444,12 +439,12 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   SkyRings rings = rings_of(group, sun, distances);
   rings.rayleigh *= point.fade;
   for (std::size_t c = 0; c < 3; ++c) rings.lobes[c].aerosol = static_cast<float>(aerosol[c]) * point.fade;
-  for (int k = 0; k < 4; ++k) rings.sun_weights[k] = point.taps.weights[k];
+  for (int k = 0; k < 4; ++k) rings.sun_weights[k] = point.taps.cubic.weights[k];
   for (std::size_t c = 0; c < 3; ++c) rings.lobe[c] = static_cast<float>(lobe[c]);
   rings.ground = group.any_ground || group.any_night ? ground : nullptr;
   if (group.any_night) fill_night(group, std::min(kChunk, options_.azimuths), ground);
   rings.aureole = aureole;
-  rings.values = group.values.data() + static_cast<std::ptrdiff_t>(point.taps.first) * kSkyChannels * kRings;
+  rings.values = group.values.data() + static_cast<std::ptrdiff_t>(point.taps.cubic.first) * kSkyChannels * kRings;
   for (int first = 0; first < options_.azimuths; first += kChunk) {
     rings.azimuths = std::min(kChunk, options_.azimuths - first);
     rings.azimuth_taps = azimuth_taps + first;

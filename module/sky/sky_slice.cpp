@@ -12,15 +12,15 @@
 #include "sky/ray_nodes.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 #include "sky/sunlight.h"
+#include "sky/table_sizes.h"
 
 namespace welkin::sky {
 namespace {
 
-Taps taps_at(double position, int count) noexcept {
+CubicTaps taps_at(double position, int count) noexcept {
   const Cubic cubic = cubic_at(position, count);
-  Taps taps{cubic.first, {}};
+  CubicTaps taps{cubic.first, std::clamp(static_cast<int>(position) - cubic.first, 0, 2), {}};
   for (int i = 0; i < 4; ++i) taps.weights[i] = static_cast<float>(cubic.weights[i]);
   return taps;
 }
@@ -75,7 +75,7 @@ ViewLookup SkySlice::view_lookup(double mu) const noexcept {
   return point;
 }
 
-Taps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
+CubicTaps SkySlice::azimuth_taps(double cosine, double mu_s) const noexcept {
   return taps_at(mapping_.azimuth_coordinate(cosine, mu_s) * (azimuths_ - 1), azimuths_);
 }
 
@@ -100,11 +100,11 @@ void SkySlice::azimuth_taps(std::span<const double> cosines, double mu_s, CubicT
   }
 }
 
-// The mean over views is all that a ratio between suns needs; its scale is divided out again (sun_brightness.h).
+// The mean over views is all that a ratio between suns needs; its scale is divided out again (sky_geometry.h).
 void SkySlice::set_brightness() {
   const auto suns = static_cast<std::size_t>(suns_);
   std::vector<double> sums(suns);
-  for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSliceRow % suns] += static_cast<double>(values_[i]);
+  for (std::size_t i = 0; i < values_.size(); ++i) sums[i / kSkyRow % suns] += static_cast<double>(values_[i]);
   limit_decay(sums);
   brightness_ = resample_log_cubic(sums);
 }
@@ -124,21 +124,21 @@ std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
 
 SunLookup SkySlice::sun_lookup(double mu_s) const noexcept {
   const double position = mapping_.sun_coordinate(mu_s) * (suns_ - 1);
-  SunLookup point{.taps = taps_at(position, suns_), .fade = static_cast<float>(sun_fade(*tables_, mu_s))};
-  point.between = std::clamp(static_cast<int>(position) - point.taps.first, 0, 2);
+  SunLookup point{.taps = {taps_at(position, suns_), {}}, .fade = static_cast<float>(sun_fade(*tables_, mu_s))};
+  CubicTaps& cubic = point.taps.cubic;
   const int step = std::min(static_cast<int>(position * kSunSteps), (suns_ - 1) * kSunSteps - 1);
   const float* const near = brightness_.data() + step;
   const auto part = static_cast<float>(position * kSunSteps - step);
   const float brightness = near[0] + part * (near[1] - near[0]);
   float ratios[4];
   for (int i = 0; i < 4; ++i) {
-    const float node = brightness_[static_cast<std::size_t>((point.taps.first + i) * kSunSteps)];
+    const float node = brightness_[static_cast<std::size_t>((cubic.first + i) * kSunSteps)];
     ratios[i] = std::min(node > 0.0F ? brightness / node : 1.0F, kMaxRatio);
     // Sum_i w_i B row_i / B_i: the ratio to the brightness here goes into the weights (SunTaps).
-    point.taps.weights[i] *= ratios[i];
+    cubic.weights[i] *= ratios[i];
   }
-  point.ratios[0] = ratios[point.between];
-  point.ratios[1] = ratios[point.between + 1];
+  point.taps.ratios[0] = ratios[cubic.between];
+  point.taps.ratios[1] = ratios[cubic.between + 1];
   return point;
 }
 
@@ -160,9 +160,9 @@ glm::dvec3 SkySlice::ground_radiance(double mu_s) const noexcept {
   return rgb;
 }
 
-void SkySlice::view_rows(const Taps& view, float* rows) const noexcept {
+void SkySlice::view_rows(const CubicTaps& view, float* rows) const noexcept {
   const std::size_t count =
-      std::size_t{kSliceRow} * static_cast<std::size_t>(azimuths_) * static_cast<std::size_t>(suns_);
+      std::size_t{kSkyRow} * static_cast<std::size_t>(azimuths_) * static_cast<std::size_t>(suns_);
   std::fill_n(rows, count, 0.0F);
   for (int i = 0; i < 4; ++i) {
     const float* const from = values_.data() + static_cast<std::size_t>(view.first + i) * count;
@@ -206,10 +206,7 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
       run.sun_scale;
   run.sun_terms = mapping_.sun_terms();
   const SunLookup point = sun_lookup(run.sun_zenith);
-  run.sun_taps.cubic.first = point.taps.first;
-  run.sun_taps.cubic.between = point.between;
-  std::copy_n(point.taps.weights, 4, run.sun_taps.cubic.weights);
-  std::copy_n(point.ratios, 2, run.sun_taps.ratios);
+  run.sun_taps = point.taps;
   run.brightness = brightness_.data();
   run.fade = point.fade;
   run.azimuth_terms = mapping_.azimuth_terms();
@@ -242,8 +239,6 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
 
 namespace {
 
-constexpr int kRow = kSkyRow;
-
 /// In channels that the compact layout leaves out the aerosol's light is taken to be coloured as the molecules' is
 /// (Bruneton and Neyret 2008, section 4: "C_M = C_*.rgb C_M.r / C_*.r ..."); no more than this times the first channel.
 constexpr double kMaxColourRatio = 1e4;
@@ -270,10 +265,6 @@ Blend view_of(int node, int nodes, int table_nodes) {
   Blend blend = node_of(node % half, half, table_half);
   if (node >= half) blend.cubic.first += table_half;
   return blend;
-}
-
-int angles_of(const SkyTableOptions& options) {
-  return options.layout == ScatteringLayout::full ? options.sun_angles : 1;
 }
 
 /// By channel how much more the aerosol scatters than molecules do, relative to the first channel; how much more of it
@@ -309,20 +300,15 @@ struct AerosolColour {
 /// Adds weight times `count` texels of one height.
 void add_texels(const SkyTables& tables, std::size_t first, std::size_t count, float weight, float* rows) {
   const float* const scattering = tables.scattering.data() + 4 * first;
-  if (tables.options.layout == ScatteringLayout::compact) {
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t c = 0; c < 3; ++c) rows[kRow * i + c] += weight * scattering[4 * i + c];
-      rows[kRow * i + 4] += weight * scattering[4 * i + 3];
-    }
-    return;
-  }
+  const bool compact = tables.options.layout == ScatteringLayout::compact;
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) rows[kRow * i + c] += weight * scattering[4 * i + c];
+    for (std::size_t c = 0; c < 3; ++c) rows[kSkyRow * i + c] += weight * scattering[4 * i + c];
+    if (compact) rows[kSkyRow * i + 4] += weight * scattering[4 * i + 3];
   }
-  if (tables.single_mie.empty()) return;  // no aerosol: nothing to add
+  if (tables.single_mie.empty()) return;  // compact, or no aerosol
   const float* const mie = tables.single_mie.data() + 4 * first;
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) rows[kRow * i + 4 + c] += weight * mie[4 * i + c];
+    for (std::size_t c = 0; c < 3; ++c) rows[kSkyRow * i + 4 + c] += weight * mie[4 * i + c];
   }
 }
 
@@ -334,7 +320,7 @@ std::vector<float> rows_at(const SkyTables& tables, const TableMapping& mapping,
                             static_cast<std::size_t>(angles_of(options)) *
                             static_cast<std::size_t>(options.sun_zeniths);
   const Blend heights = blend_at(mapping.height_coordinate(altitude) * (options.heights - 1), options.heights);
-  std::vector<float> rows(kRow * count);
+  std::vector<float> rows(kSkyRow * count);
   for (int i = 0; i < heights.count; ++i) {
     const auto weight = static_cast<float>(heights.cubic.weights[i]);
     if (weight == 0.0F) continue;
@@ -344,7 +330,7 @@ std::vector<float> rows_at(const SkyTables& tables, const TableMapping& mapping,
   for (float& value : rows) value = value > 0.0F ? value : 0.0F;
   if (options.layout == ScatteringLayout::compact) {
     const AerosolColour colour(tables.atmosphere, fold);
-    for (std::size_t i = 0; i < count; ++i) colour.extrapolate(rows.data() + kRow * i);
+    for (std::size_t i = 0; i < count; ++i) colour.extrapolate(rows.data() + kSkyRow * i);
   }
   return rows;
 }
@@ -360,7 +346,7 @@ SliceShape slice_shape(const SkyTableOptions& options) noexcept {
 std::uint64_t slice_bytes(const SkyTableOptions& options) noexcept {
   constexpr std::uint64_t kAureole = std::uint64_t{256} << 10U;
   const auto rows = [](int views, int azimuths, int suns) {
-    return std::uint64_t{kRow} * sizeof(float) * static_cast<std::uint64_t>(views) *
+    return std::uint64_t{kSkyRow} * sizeof(float) * static_cast<std::uint64_t>(views) *
            static_cast<std::uint64_t>(azimuths) * static_cast<std::uint64_t>(suns);
   };
   const SliceShape shape = slice_shape(options);
@@ -384,23 +370,23 @@ std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mappi
     return rows;
   }
   std::vector<float> result;
-  result.reserve(std::size_t{kRow} * static_cast<std::size_t>(shape.views) * static_cast<std::size_t>(shape.azimuths) *
-                 static_cast<std::size_t>(shape.suns));
+  result.reserve(std::size_t{kSkyRow} * static_cast<std::size_t>(shape.views) *
+                 static_cast<std::size_t>(shape.azimuths) * static_cast<std::size_t>(shape.suns));
   for (int v = 0; v < shape.views; ++v) {
     const Blend view = view_of(v, shape.views, options.view_zeniths);
     for (int a = 0; a < shape.azimuths; ++a) {
       const Blend azimuth = node_of(a, shape.azimuths, angles);
       for (int s = 0; s < shape.suns; ++s) {
         const Blend sun = node_of(s, shape.suns, options.sun_zeniths);
-        double sums[kRow]{};
+        double sums[kSkyRow]{};
         for (int i = 0; i < view.count; ++i) {
           for (int j = 0; j < azimuth.count; ++j) {
             for (int k = 0; k < sun.count; ++k) {
               const double weight = view.cubic.weights[i] * azimuth.cubic.weights[j] * sun.cubic.weights[k];
               const int texel = ((view.cubic.first + i) * angles + azimuth.cubic.first + j) * options.sun_zeniths +
                                 sun.cubic.first + k;
-              for (int c = 0; c < kRow; ++c) {
-                sums[c] += weight * static_cast<double>(rows[static_cast<std::size_t>(kRow * texel + c)]);
+              for (int c = 0; c < kSkyRow; ++c) {
+                sums[c] += weight * static_cast<double>(rows[static_cast<std::size_t>(kSkyRow * texel + c)]);
               }
             }
           }
@@ -523,7 +509,7 @@ std::vector<float> ground_reach(const SkyTables& tables, const TableMapping& map
   std::vector<double> lengths(matter.size());
   std::vector<double> shares(atmosphere.wavelengths_nm.size());
   for (int k = 0; k < half; ++k) {
-    const double distance = mapping.view_ray(altitude, k, 2 * half).distance;
+    const double distance = mapping.view_ray(altitude, k, 2 * half).length;
     const double tangent = distance > 0.0 ? std::max(0.0, 0.5 * (rho - distance) * (rho + distance) / distance) : 0.0;
     std::fill(lengths.begin(), lengths.end(), 0.0);
     // s = sqrt(tangent^2 + u^2) - tangent without cancellation

@@ -1,6 +1,6 @@
 // The tables at one altitude, made ready for looking things up: what views and quadratures share.
 //
-// Rows are eight floats: Rayleigh's and all higher orders' red, green, blue, 0; single Mie scattering's red, green,
+// Rows are `kSkyRow` floats: Rayleigh's and all higher orders' red, green, blue, 0; single Mie scattering's red, green,
 // blue, 0; all without phase functions. Between nodes values are cubics along each axis: taps are four rows one after
 // the other and their weights, the result is the plain weighted sum, not below 0. (Over suns light falls by decades:
 // there the cubic is of rows relative to their sun's brightness, the mean of all views.) What is seen is
@@ -24,25 +24,15 @@
 
 namespace welkin::sky {
 
-inline constexpr int kSliceRow = 8;  ///< floats
-
-/// Four neighbours on an axis and their weights, whose sum is 1.
-struct Taps {
-  int first = 0;
-  float weights[4]{};
-};
-
 /// Where a sun stands.
 struct SunLookup {
-  Taps taps;          ///< of sun rows, weighted as SunTaps says
-  float ratios[2]{};  ///< likewise
-  int between = 0;
+  SunTaps taps;       ///< of sun rows
   float fade = 1.0F;  ///< below the tables' lowest sun
 };
 
 /// A view's zenith, and what lies at the end of its rays.
 struct ViewLookup {
-  Taps taps;  ///< of view nodes
+  CubicTaps taps{};  ///< of view nodes
   bool ground = false;
   double distance = 0.0;     ///< to the ground, metres, if there it ends
   float transmittance[3]{};  ///< up to the ground; 0 if the view does not show it
@@ -67,7 +57,7 @@ class SkySlice {
   /// Of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
   [[nodiscard]] ViewLookup view_lookup(double mu) const noexcept;
   /// By the cosine of the azimuth between view and sun: (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
-  [[nodiscard]] Taps azimuth_taps(double cosine, double mu_s) const noexcept;
+  [[nodiscard]] CubicTaps azimuth_taps(double cosine, double mu_s) const noexcept;
   /// Of several under one sun.
   void azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept;
   /// By the cosine between sun and zenith.
@@ -96,7 +86,7 @@ class SkySlice {
   [[nodiscard]] SkyRun run(const glm::dvec3& sun) const noexcept;
 
   /// Rows of one view: [azimuths][suns], interpolated between view nodes.
-  void view_rows(const Taps& view, float* rows) const noexcept;
+  void view_rows(const CubicTaps& view, float* rows) const noexcept;
 
  private:
   void set_brightness();

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -8,17 +7,17 @@
 #include <string>
 #include <utility>
 
+#include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "sky/air.h"
 #include "sky/aureole.h"
-#include "sky/ray_lengths.h"
 #include "sky/ray_light.h"
+#include "sky/ray_nodes.h"
 #include "sky/scattering_solver.h"
 #include "sky/sky_geometry.h"
 #include "sky/spectrum.h"
-#include "sky/sun_brightness.h"
 #include "sky/table_mapping.h"
 #include "sky/table_sizes.h"
 #include "welkin/core.h"
@@ -133,10 +132,9 @@ class Precomputation {
 
   template <class Work>
   void timed(const char* name, const std::string& reason, const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const jobs::Stopwatch watch;
     work();
-    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    result_.passes.push_back({name, PassAction::run, reason, time.count()});
+    result_.passes.push_back({name, PassAction::run, reason, watch.milliseconds()});
   }
 
   void mix(std::span<const SkyTables> tables, std::span<const double> weights, std::vector<float> SkyTables::*floats);
@@ -219,8 +217,7 @@ void Precomputation::transmittance() {
     for (std::size_t h = 0; h < index(options_.transmittance_heights); ++h) {
       const double altitude = mapping_.altitude(coordinate(h, options_.transmittance_heights));
       for (std::size_t k = 0; k < zeniths; ++k) {
-        const sky::ViewRay view = mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths));
-        rays.push_back({altitude, view.zenith_cosine, false, view.distance});
+        rays.push_back(mapping_.transmittance_ray(altitude, coordinate(k, options_.transmittance_zeniths)));
       }
     }
     const auto lengths = sky::lengths_of(air_, std::move(rays), part(0.0, 0.02));
@@ -285,7 +282,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
   const int angles = sky::angles_of(options_);
   const std::size_t suns = index(options_.sun_zeniths);
   const double altitude = mapping_.altitude(coordinate(ray / index(options_.view_zeniths), options_.heights));
-  const sky::ViewRay view =
+  const Ray view =
       mapping_.view_ray(altitude, static_cast<double>(ray % index(options_.view_zeniths)), options_.view_zeniths);
   for (std::size_t k = 0; k < suns; ++k) {
     const double sun = suns_[k];
@@ -295,7 +292,7 @@ void Precomputation::scatter_ray(const WavelengthGroup& group, const Fold& fold,
       worker.set_sun(index(a) * suns + k, sun, nu);
     }
   }
-  worker.place(air_, {altitude, view.zenith_cosine, view.ground, view.distance}, group);
+  worker.place(air_, view, group);
   const sky::SolverKernels& kernels = sky::solver_kernels();
   // the sums of one are overwritten by those of the other: sunlight first, and stored
   const float* sums = worker.sunlight(kernels, air_, light);
@@ -360,7 +357,7 @@ double Precomputation::glow_factor(std::size_t texel, std::size_t channel, doubl
 }
 
 // Between the solver's heights: cubic; between its suns: as light falls.
-// In steps of `kSunSteps` per node the logarithm's cubic is followed by straight lines to 1.3e-4 (sun_brightness.h);
+// In steps of `kSunSteps` per node the logarithm's cubic is followed by straight lines to 1.3e-4 (sky_geometry.h);
 // the two nearest steps are read for each of the table's suns.
 void Precomputation::add_irradiance(const Fold& fold, const sky::SourceSolver& solver) {
   const sky::SourceShape& shape = source_shape_;

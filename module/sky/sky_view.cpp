@@ -10,7 +10,6 @@
 #include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
-#include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_kernels.h"
@@ -23,7 +22,6 @@
 namespace welkin {
 namespace {
 
-constexpr double kHighest = 1e9;
 constexpr int kChunk = 64;  // directions
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -38,12 +36,7 @@ void check_size(const char* name, std::uint64_t found, std::uint64_t expected) {
 
 /// Tables may be filled by hand; nothing may be read past their ends.
 void check_tables(const SkyTables& tables) {
-  check(tables.atmosphere);
-  sky::check_options(tables.options);
-  if (tables.options.colour == SkyColour::spectral && tables.atmosphere.wavelengths_nm.size() != 3) {
-    refuse("the tables are of " + std::to_string(tables.atmosphere.wavelengths_nm.size()) +
-           " wavelengths; three make a spectral table, any number one of SkyColour::linear_srgb");
-  }
+  static_cast<void>(sky::sky_table_bytes(tables.atmosphere, tables.options));  // checks both
   const std::uint64_t scattering = 4 * sky::scattering_texels(tables.options);
   check_size("scattering", tables.scattering.size(), scattering);
   check_size("single_mie", tables.single_mie.size(), sky::single_mie_floats(tables.atmosphere, tables.options));
@@ -53,9 +46,7 @@ void check_tables(const SkyTables& tables) {
 
 const std::shared_ptr<const SkyTables>& checked(const std::shared_ptr<const SkyTables>& tables, double altitude_m) {
   if (!tables) refuse("tables is null; pass those of precompute_sky or load_sky_tables");
-  if (!(altitude_m >= 0.0 && altitude_m <= kHighest)) {
-    refuse("the altitude is " + platform::number_text(altitude_m) + " m; it must be from 0 to 1e9");
-  }
+  sky::check_altitude(altitude_m);
   check_tables(*tables);
   return tables;
 }

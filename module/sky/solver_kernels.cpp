@@ -1,7 +1,6 @@
 // Light carried along rays through the air (sky_kernels.h).
 #include "simd/vec.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 
 namespace welkin::sky::WELKIN_ISA {
 namespace {
@@ -323,12 +322,12 @@ void project_sky_ring(const SkyRing& ring, float* harmonics) {
 
 // The inverse in the same two steps: by_order(m) = Sum_l weights(l, m) c(l, m) for one zenith angle, with the lobe's
 // moments in the weights, and then Sum_m by_order(m) cos(m phi) per azimuth (`sum_sky_orders`).
-void fold_sky_orders(const float* harmonics, const float* weights, int bands, int used, float* by_order) {
+void fold_sky_orders(const float* harmonics, const float* weights, int bands, float* by_order) {
   int pair = 0;
-  for (int m = 0; m < used; ++m) {
+  for (int m = 0; m < bands; ++m) {
     for (int i = 0; i < kValues; i += kWidth) {
       Lanes sum(0.0F);
-      for (int l = m; l < used; ++l) {
+      for (int l = m; l < bands; ++l) {
         sum = sum + Lanes(weights[pair + l - m]) * Lanes::load_unaligned(harmonics + (pair + l - m) * kValues + i);
       }
       sum.store_unaligned(by_order + m * kValues + i);
@@ -340,13 +339,13 @@ void fold_sky_orders(const float* harmonics, const float* weights, int bands, in
 // cos(m phi) by Chebyshev's recurrence, cos((m + 1) phi) = 2 cos phi cos(m phi) - cos((m - 1) phi), from
 // cos(-phi) = cos phi and cos 0 = 1: only cos phi is stored per node, and no angle is needed. A truncated series may
 // swing below 0; light may not.
-void sum_sky_orders(const float* by_order, int used, const float* azimuth_cosines, float* out) {
+void sum_sky_orders(const float* by_order, int bands, const float* azimuth_cosines, float* out) {
   for (int k = 0; k < kRegisters; ++k) {
     const Lanes cosine = Lanes::load_unaligned(azimuth_cosines + k * kWidth);
     Lanes before = cosine;  // cos(-phi)
     Lanes here(1.0F);
     Lanes sums[3] = {Lanes(0.0F), Lanes(0.0F), Lanes(0.0F)};
-    for (int m = 0; m < used; ++m) {
+    for (int m = 0; m < bands; ++m) {
       const float* const values = by_order + m * kValues + k * kWidth;
       for (int c = 0; c < 3; ++c) sums[c] = sums[c] + here * Lanes::load_unaligned(values + c * kLanes);
       const Lanes next = (cosine + cosine) * here - before;

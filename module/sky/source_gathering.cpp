@@ -198,9 +198,8 @@ void SourceSolver::multiply_lobes(Worker& worker) const {
 // 3 / (16 pi) (1 + x^2) = 1 / (4 pi) (1 + P_2(x) / 2) and 5 chi_2 = 1/2. Suns keep off the vertical: s_s is not 0.
 void SourceSolver::fold_molecules(std::size_t height, std::size_t first_sun, const Worker& worker) {
   const std::size_t suns = index(shape_.suns);
-  const std::vector<double>& moments = spectra_.front().rayleigh;
-  const double band_0 = moments[0] * std::sqrt(0.25 / pi);
-  const double band_2 = moments[2] * std::sqrt(5.0 / (4.0 * pi));
+  const double band_0 = std::sqrt(0.25 / pi);
+  const double band_2 = 0.1 * std::sqrt(5.0 / (4.0 * pi));
   float* const row = source_.rayleigh.data() + height * shape_.molecule_row() + 4 * first_sun;
   for (std::size_t s = 0; s < kSunBlock; ++s) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -248,7 +247,7 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
         worker.values[pair] = static_cast<float>(values[pair] * moments[index(l)]);
       }
     }
-    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, bands, worker.aerosol.data());
+    kernels.fold_orders(harmonics.data(), worker.values.data(), bands, worker.aerosol.data());
     const std::size_t slot = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
       const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;

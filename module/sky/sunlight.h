@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "sky/air.h"
-#include "sky/ray_lengths.h"
 #include "sky/ray_nodes.h"
 #include "sky/sky_kernels.h"
 #include "sky/table_mapping.h"

@@ -155,16 +155,16 @@ double TableMapping::ground_coordinate(double altitude, double zenith_cosine) co
   return unit((distance_to_ground(bottom_, altitude, zenith_cosine) - altitude) / (rho - altitude));
 }
 
-ViewRay TableMapping::ground_ray(double altitude, double coordinate) const noexcept {
+Ray TableMapping::ground_ray(double altitude, double coordinate) const noexcept {
   const double rho = tangent_distance(bottom_, altitude);
   const double distance = altitude + unit(coordinate) * (rho - altitude);
-  if (!(distance > 0.0)) return {-1.0, true, 0.0};
+  if (!(distance > 0.0)) return {altitude, -1.0, true, 0.0};
   // rho^2 + d^2 = 2 rho d + (rho - d)^2, so that mu = -(rho + (rho - d)^2 / (2 d)) / r. The horizon's cosine is
   // -rho / r: the second term is how far below it the ray is, and keeps its sign and digits where both are nearly
   // equal. Written as the quotient above, mu would round to the other side of the horizon for the nodes next to it.
   const double short_of = rho - distance;
   const double mu = -(rho + short_of * short_of / (2.0 * distance)) / (bottom_ + altitude);
-  return {cosine(mu), true, distance};
+  return {altitude, cosine(mu), true, distance};
 }
 
 // A ray of length d to the top. (R + T)^2 = r^2 + d^2 + 2 r d mu and H^2 - rho^2 = (R + T)^2 - r^2, so that
@@ -175,26 +175,26 @@ double TableMapping::transmittance_coordinate(double altitude, double zenith_cos
   return unit((distance_to_top(bottom_, thickness_, altitude, zenith_cosine) - shortest) / (longest - shortest));
 }
 
-ViewRay TableMapping::transmittance_ray(double altitude, double coordinate) const noexcept {
+Ray TableMapping::transmittance_ray(double altitude, double coordinate) const noexcept {
   const double rho = tangent_distance(bottom_, altitude);
   const double shortest = thickness_ - altitude;
   const double longest = rho + top_tangent_;
   const double distance = shortest + unit(coordinate) * (longest - shortest);
-  if (!(distance > 0.0)) return {1.0, false, 0.0};
+  if (!(distance > 0.0)) return {altitude, 1.0, false, 0.0};
   const double radius = bottom_ + altitude;
-  if (coordinate >= 1.0) return {cosine(-rho / radius), false, longest};
+  if (coordinate >= 1.0) return {altitude, cosine(-rho / radius), false, longest};
   // Bent nodes lie so close to the shortest ray that the other formula cancels there.
   if (thin() && coordinate < 0.5) {
     // H^2 - rho^2 = (R + T)^2 - (R + h)^2 = (T - h) (2 R + T + h), a product without a difference of squares.
     const double shell = std::max(0.0, shortest) * (2.0 * bottom_ + thickness_ + altitude);
-    return {cosine((shell - distance * distance) / (2.0 * radius * distance)), false, distance};
+    return {altitude, cosine((shell - distance * distance) / (2.0 * radius * distance)), false, distance};
   }
   // With e = rho + H - d the length that is missing to the horizon's, H^2 - rho^2 - d^2 + 2 rho
   // d = H^2 - (d - rho)^2 = H^2 - (H - e)^2 = e (2 H - e), so that mu = (-rho + e (2 H - e) / (2 d)) / r. As for rays
   // to the ground, the second term is the height over the horizon and is computed by itself.
   const double missing = (1.0 - unit(coordinate)) * (longest - shortest);
   const double mu = (-rho + missing * (2.0 * top_tangent_ - missing) / (2.0 * distance)) / radius;
-  return {cosine(mu), false, distance};
+  return {altitude, cosine(mu), false, distance};
 }
 
 double TableMapping::view_position(double altitude, double zenith_cosine, bool ground, int zeniths) const noexcept {
@@ -209,7 +209,7 @@ double TableMapping::view_position(double altitude, double zenith_cosine, int ze
   return view_position(altitude, zenith_cosine, meets_ground(bottom_, altitude, zenith_cosine), zeniths);
 }
 
-ViewRay TableMapping::view_ray(double altitude, double position, int zeniths) const noexcept {
+Ray TableMapping::view_ray(double altitude, double position, int zeniths) const noexcept {
   const int half = zeniths / 2;
   const double last = half - 1.0;
   if (position <= last) return ground_ray(altitude, last > 0.0 ? unbent((last - position) / last, view_bend_) : 1.0);

@@ -38,11 +38,14 @@ namespace welkin::sky {
   return bend > 0.0 ? bend * x / (1.0 + bend - x) : x;
 }
 
-/// A ray of a table.
-struct ViewRay {
+/// A ray: from an altitude along a zenith cosine, to the ground or the top.
+struct Ray {
+  double altitude;
   double zenith_cosine;
-  bool ground;      ///< ends there
-  double distance;  ///< to the ground or the top, metres
+  bool ground;    ///< ends there
+  double length;  ///< metres
+
+  bool operator==(const Ray&) const = default;
 };
 
 /// Of which axes of a scattering table there are so many nodes that they crowd where light is sharp.
@@ -111,11 +114,11 @@ class TableMapping {
   /// The same for a ray that is known to end on the ground or not to: at the horizon both are right.
   [[nodiscard]] double view_position(double altitude, double zenith_cosine, bool ground, int zeniths) const noexcept;
   /// Positions up to zeniths / 2 - 1 are rays to the ground, from zeniths / 2 on rays to the top.
-  [[nodiscard]] ViewRay view_ray(double altitude, double position, int zeniths) const noexcept;
+  [[nodiscard]] Ray view_ray(double altitude, double position, int zeniths) const noexcept;
 
   /// Rays to the top; one below the horizon counts as the horizon's.
   [[nodiscard]] double transmittance_coordinate(double altitude, double zenith_cosine) const noexcept;
-  [[nodiscard]] ViewRay transmittance_ray(double altitude, double coordinate) const noexcept;
+  [[nodiscard]] Ray transmittance_ray(double altitude, double coordinate) const noexcept;
 
   /// Suns below the lowest count as the lowest.
   [[nodiscard]] double sun_coordinate(double sun_zenith_cosine) const noexcept;
@@ -153,7 +156,7 @@ class TableMapping {
   [[nodiscard]] double coordinate_of_sun(const SunTerms& terms, double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double sun_at(const SunTerms& terms, double coordinate) const noexcept;
   [[nodiscard]] double ground_coordinate(double altitude, double zenith_cosine) const noexcept;
-  [[nodiscard]] ViewRay ground_ray(double altitude, double coordinate) const noexcept;
+  [[nodiscard]] Ray ground_ray(double altitude, double coordinate) const noexcept;
 
   double bottom_;
   double thickness_;

@@ -14,12 +14,8 @@
 namespace welkin::sky {
 namespace {
 
-template <class Value>
-void require(const char* what, Value value, Value low, Value high) {
-  if (value >= low && value <= high) return;
-  const auto text = [](Value number) { return platform::number_text(static_cast<double>(number)); };
-  throw Error(ErrorCode::invalid_argument, std::string("sky table option ") + what + " is " + text(value) +
-                                               "; it must be from " + text(low) + " to " + text(high));
+void require(const std::string& name, double value, double low, double high) {
+  platform::require_between("sky table option " + name, value, low, high);
 }
 
 std::uint64_t product(std::initializer_list<int> sizes) {
@@ -144,12 +140,6 @@ SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air
                              const TableMapping& mapping) noexcept {
   const SunPaths::Size size = sun_path_size(options);
   return mapping.altitude(1.0 / (size.heights - 1)) < air.scale_height() ? size : SunPaths::Size{};
-}
-
-bool scatters(const Constituent& constituent) noexcept {
-  return !constituent.density.empty() &&
-         std::any_of(constituent.scattering_per_m.begin(), constituent.scattering_per_m.end(),
-                     [](double coefficient) { return coefficient > 0.0; });
 }
 
 std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept {

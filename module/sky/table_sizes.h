@@ -36,9 +36,6 @@ void check_options(const SkyTableOptions& options);
 /// Of the table of single Mie scattering: none where the layout is compact, or where no aerosol scatters.
 [[nodiscard]] std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
-/// Whether there is any of it, and it scatters light.
-[[nodiscard]] bool scatters(const Constituent& constituent) noexcept;
-
 /// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe = NarrowLobe::none) noexcept;
 /// The same in that air: its heights bent where it is thin beside its shell.

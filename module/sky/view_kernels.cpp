@@ -3,7 +3,6 @@
 // The formulas are those of sky/table_mapping.h and sky/sky_slice.h, where they are explained.
 #include "simd/vec.h"
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 
 namespace welkin::sky::WELKIN_ISA {
 namespace {

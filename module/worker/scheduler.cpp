@@ -17,7 +17,6 @@
 
 #include "jobs/activity.h"
 #include "platform/file.h"
-#include "platform/spin.h"
 #include "platform/thread.h"
 #include "platform/wait.h"
 #include "welkin/worker.h"

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numbers>
-#include <string>
 #include <utility>
 
+#include "math/direction.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
 #include "platform/text.h"
+#include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/sunlight.h"
 #include "sky/table_sizes.h"
@@ -21,26 +23,6 @@ namespace {
 
 constexpr double kLargestIntensity = 1e12;
 
-[[noreturn]] void refuse(const std::string& what, double value, const std::string& would_do) {
-  throw Error(ErrorCode::invalid_argument,
-              "dynamic sky: " + what + " " + platform::number_text(value) + "; " + would_do);
-}
-
-void check_range(const char* what, double value, double least, double most) {
-  if (value >= least && value <= most) return;
-  refuse(what, value, platform::number_text(least) + " to " + platform::number_text(most) + " are possible");
-}
-
-void check_altitude(double altitude_m) { check_range("altitude in metres", altitude_m, 0.0, 1e9); }
-
-void check_tables(const Atmosphere& atmosphere, const SkyTableOptions& options) {
-  (void)sky::sky_table_bytes(atmosphere, options);
-  if (options.colour == SkyColour::spectral && atmosphere.wavelengths_nm.size() != 3) {
-    refuse("a spectral sky of as many wavelengths as", static_cast<double>(atmosphere.wavelengths_nm.size()),
-           "three make one; any number is folded with SkyColour::linear_srgb");
-  }
-}
-
 bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
   Atmosphere renamed = a;
   renamed.name = b.name;
@@ -48,27 +30,22 @@ bool same_but_for_name(const Atmosphere& a, const Atmosphere& b) {
 }
 
 const SkyLightOptions& checked(const SkyLightOptions& options) {
-  check_altitude(options.altitude_m);
-  check_range("bands", options.curve.bands, 1, kMaximumBands);
-  check_range("nodes of the curve", options.curve.nodes, 8, 4096);
-  check_range("size of the reflections", options.specular.size, 0, 8192);
-  check_range("sun threshold in degrees", options.sun_threshold_degrees, 0.0, 10.0);
-  check_range("specular threshold in degrees", options.specular_threshold_degrees, 0.0, 90.0);
-  check_range("altitude threshold in metres", options.altitude_threshold_m, 0.0, 1e6);
+  sky::check_altitude(options.altitude_m);
+  platform::require_between("dynamic sky: nodes of the curve", options.curve.nodes, 8, 4096);
+  platform::require_between("dynamic sky: size of the reflections", options.specular.size, 0, 8192);
+  platform::require_between("dynamic sky: sun threshold in degrees", options.sun_threshold_degrees, 0.0, 10.0);
+  platform::require_between("dynamic sky: specular threshold in degrees", options.specular_threshold_degrees, 0.0,
+                            90.0);
+  platform::require_between("dynamic sky: altitude threshold in metres", options.altitude_threshold_m, 0.0, 1e6);
   SkyHarmonicsOptions projection = options.curve.projection;
   projection.bands = options.curve.bands;
   (void)sky::sky_rule(projection, 0.0, 1.0, 0.0);  // throws what the bake would throw later
-  check_range("blend in seconds", options.blend_seconds, 0.0, 3600.0);
+  platform::require_between("dynamic sky: blend in seconds", options.blend_seconds, 0.0, 3600.0);
   return options;
 }
 
 glm::dvec3 unit(const glm::dvec3& direction) {
-  const double largest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
-  const bool finite = std::isfinite(direction.x) && std::isfinite(direction.y) && std::isfinite(direction.z);
-  if (!finite || !(largest > 0.0)) {
-    refuse("the sun's direction has a largest component of", largest, "(0 1 0) is the zenith");
-  }
-  return glm::normalize(direction / largest);
+  return glm::normalize(math::rescaled_direction(direction, "dynamic sky: the sun's direction"));
 }
 
 /// Of the sun, (sine, cosine); in the zenith that of +z.
@@ -160,7 +137,7 @@ SkyLight::State::State(Worker& worker, std::shared_ptr<const Atmosphere> atmosph
 
 SkyLight::SkyLight(Worker& worker, const Atmosphere& atmosphere, const SkyLightOptions& options) {
   const platform::FloatingPointScope floating_point;
-  check_tables(atmosphere, checked(options).tables);
+  (void)sky::sky_table_bytes(atmosphere, checked(options).tables);
   state_ = std::make_unique<State>(worker, std::make_shared<const Atmosphere>(atmosphere), nullptr, options);
 }
 
@@ -170,7 +147,7 @@ SkyLight::SkyLight(Worker& worker, std::shared_ptr<const SkyTables> tables, cons
     throw Error(ErrorCode::invalid_argument, "dynamic sky: the tables are a null pointer; precompute_sky makes some");
   SkyLightOptions with_tables = checked(options);
   with_tables.tables = tables->options;
-  check_tables(tables->atmosphere, tables->options);
+  (void)sky::sky_table_bytes(tables->atmosphere, tables->options);
   auto atmosphere = std::shared_ptr<const Atmosphere>(tables, &tables->atmosphere);
   state_ = std::make_unique<State>(worker, std::move(atmosphere), std::move(tables), with_tables);
 }
@@ -179,12 +156,6 @@ SkyLight::~SkyLight() { state_->baker->close(); }
 
 void SkyLight::set_sun(double elevation_degrees, double azimuth_degrees) {
   const platform::FloatingPointScope floating_point;
-  if (!(elevation_degrees >= -90.0 && elevation_degrees <= 90.0)) {
-    refuse("the sun's elevation in degrees", elevation_degrees, "-90 to 90 are possible");
-  }
-  if (!(std::abs(azimuth_degrees) <= 1e6)) {
-    refuse("the sun's azimuth in degrees", azimuth_degrees, "-1e6 to 1e6 are possible");
-  }
   state_->move_sun(unit(sun_direction(elevation_degrees, azimuth_degrees)));
 }
 
@@ -223,7 +194,7 @@ void SkyLight::State::move_sun(const glm::dvec3& to) {
 
 void SkyLight::set_intensity(double intensity) {
   const platform::FloatingPointScope floating_point;
-  check_range("intensity", intensity, 0.0, kLargestIntensity);
+  platform::require_between("dynamic sky: intensity", intensity, 0.0, kLargestIntensity);
   state_->baker->retry();
   if (intensity == state_->intensity) return;
   state_->intensity = intensity;
@@ -233,7 +204,7 @@ void SkyLight::set_intensity(double intensity) {
 
 void SkyLight::set_altitude(double altitude_m) {
   const platform::FloatingPointScope floating_point;
-  check_altitude(altitude_m);
+  sky::check_altitude(altitude_m);
   worker::SkyTarget& target = state_->target;
   state_->baker->retry();
   if (altitude_m == target.altitude_m) return;
@@ -247,7 +218,7 @@ void SkyLight::set_altitude(double altitude_m) {
 
 void SkyLight::set_atmosphere(const Atmosphere& atmosphere) {
   const platform::FloatingPointScope floating_point;
-  check_tables(atmosphere, state_->options.tables);
+  (void)sky::sky_table_bytes(atmosphere, state_->options.tables);
   worker::SkyTarget& target = state_->target;
   state_->baker->retry();
   if (same_but_for_name(*target.atmosphere, atmosphere)) return;
@@ -345,7 +316,7 @@ void SkyLight::State::place_reflections() {
 
 const SkyLightFrame& SkyLight::update(double seconds) {
   const platform::FloatingPointScope floating_point;
-  if (!(seconds >= 0.0)) refuse("a frame of seconds", seconds, "0 and up are possible");
+  platform::require_between("dynamic sky: seconds of a frame", seconds, 0.0, std::numeric_limits<double>::infinity());
   State& state = *state_;
   ++state.counters.frames;
   state.take_news();

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "jobs/activity.h"
-#include "platform/spin.h"
 #include "platform/thread.h"
+#include "platform/wait.h"
 #include "worker/scheduler.h"
 
 namespace welkin::detail {

@@ -116,10 +116,10 @@ TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]
     disc.centre = glm::normalize(centre);
     for (const int size : {1, 2, 3, 64, 257, 2048, 16384}) {
       CAPTURE(centre.x, centre.y, centre.z, size);
-      const std::vector<sky::CoveredTexel> cube = sky::covered_cubemap_texels(disc, size);
+      const std::vector<sky::CoveredTexel> cube = sky::covered_texels(disc, image::TexelGrid::cubemap(size));
       CHECK(std::abs(sum(cube) / whole - 1.0) < 2e-3);
       for (std::size_t i = 1; i < cube.size(); ++i) REQUIRE(cube[i - 1].texel < cube[i].texel);
-      const std::vector<sky::CoveredTexel> map = sky::covered_lat_long_texels(disc, 2 * size, size);
+      const std::vector<sky::CoveredTexel> map = sky::covered_texels(disc, image::TexelGrid::lat_long(2 * size, size));
       CHECK(std::abs(sum(map) / whole - 1.0) < 2e-3);
       for (std::size_t i = 1; i < map.size(); ++i) REQUIRE(map[i - 1].texel < map[i].texel);
     }
@@ -127,10 +127,10 @@ TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]
   // Cut by the horizon through its centre: half of it; a quarter of the diameter: the segment's area.
   disc.centre = glm::normalize(glm::dvec3(0.3, 0.0, 1.0));
   disc.horizon_cosine = 0.0;
-  CHECK(std::abs(sum(sky::covered_cubemap_texels(disc, 512)) / whole - 0.5) < 2e-3);
-  CHECK(std::abs(sum(sky::covered_lat_long_texels(disc, 1024, 512)) / whole - 0.5) < 2e-3);
+  CHECK(std::abs(sum(sky::covered_texels(disc, image::TexelGrid::cubemap(512))) / whole - 0.5) < 2e-3);
+  CHECK(std::abs(sum(sky::covered_texels(disc, image::TexelGrid::lat_long(1024, 512))) / whole - 0.5) < 2e-3);
   disc.horizon_cosine = std::sin(0.5 * turn);
-  CHECK(std::abs(sum(sky::covered_cubemap_texels(disc, 100)) / whole - 0.195501) < 2e-3);
+  CHECK(std::abs(sum(sky::covered_texels(disc, image::TexelGrid::cubemap(100))) / whole - 0.195501) < 2e-3);
 }
 
 TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky][view][pictures][errors]") {

@@ -2,7 +2,7 @@
 #include "float_environment/modes.h"
 #include "math/quadrature.h"
 #include "sky/air.h"
-#include "sky/ray_lengths.h"
+#include "sky/ray_nodes.h"
 #include "sky/sky_geometry.h"
 #include "sky/sky_projection.h"
 #include "sky/table_mapping.h"
@@ -62,7 +62,7 @@ void check_rays(const Planet& planet, const sky::TableMapping& mapping, int zeni
   double last = -2.0;
   bool rising = true;
   for (int node = 0; node < zeniths; ++node) {
-    const sky::ViewRay ray = mapping.view_ray(altitude, node, zeniths);
+    const sky::Ray ray = mapping.view_ray(altitude, node, zeniths);
     REQUIRE(std::abs(ray.zenith_cosine) <= 1.0);
     REQUIRE(ray.ground == (node < zeniths / 2));
     const double back = mapping.view_position(altitude, ray.zenith_cosine, ray.ground, zeniths);
@@ -72,8 +72,7 @@ void check_rays(const Planet& planet, const sky::TableMapping& mapping, int zeni
     const double along = ray.ground
                              ? sky::distance_to_ground(planet.radius, altitude, ray.zenith_cosine)
                              : sky::distance_to_top(planet.radius, mapping.thickness(), altitude, ray.zenith_cosine);
-    worst_distance =
-        std::max(worst_distance, std::abs(along - ray.distance) / (ray.distance + planet.thickness * 1e-9));
+    worst_distance = std::max(worst_distance, std::abs(along - ray.length) / (ray.length + planet.thickness * 1e-9));
     // From the nadir to the horizon and from there to the zenith: cosines of both halves rise towards
     // the horizon's node of the ground, and fall to the horizon's of the sky
     if (ray.ground && node > 0) rising = rising && ray.zenith_cosine <= last + 1e-15;

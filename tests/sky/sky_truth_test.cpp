@@ -28,7 +28,7 @@ double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1.0 - cosine) * 
 struct Texel {
   std::size_t index;
   double altitude;
-  sky::ViewRay view;
+  sky::Ray view;
   double sun;
   double azimuth_cosine;
 
@@ -149,8 +149,8 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
   for (int i = 0; i < points; ++i) {
     // the square: closer together near the start, where the air is thick
     const double u = 0.5 + 0.5 * along.nodes[i];
-    const double s = t.view.distance * u * u;
-    const double weight = 0.5 * along.weights[i] * 2.0 * u * t.view.distance;
+    const double s = t.view.length * u * u;
+    const double weight = 0.5 * along.weights[i] * 2.0 * u * t.view.length;
     const double radius = air.bottom_radius_m + t.altitude;
     const dvec3 place = dvec3(0.0, radius, 0.0) + s * t.direction();
     const dvec3 up = glm::normalize(place);

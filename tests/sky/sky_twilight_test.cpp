@@ -3,10 +3,11 @@
 
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"
+#include "sky/sky_geometry.h"
+#include "sky/sky_kernels.h"
 #include "sky/sky_projection.h"
 #include "sky/sky_tables_for_tests.h"
 #include "sky/spectrum.h"
-#include "sky/sun_brightness.h"
 #include "sky/vertical_harmonics.h"
 #include "support/catch.h"
 #include "support/trials.h"

@@ -93,37 +93,38 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
   const sky::ViewLookup position = slice.view_lookup(mu);
   const sky::SunLookup under = slice.sun_lookup(mu_s);
   const double sines = std::sqrt((1.0 - mu * mu) * (1.0 - mu_s * mu_s));
-  const sky::Taps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0, mu_s);
+  const sky::CubicTaps azimuth = slice.azimuth_taps(sines > 1e-9 ? (nu - mu * mu_s) / sines : 0.0, mu_s);
   // Along each axis the weighted sum, within a tenth of the range of the two nodes in the middle.
-  const auto limited = [](const double(&values)[4], const sky::Taps& taps, double a, double b) {
+  const auto limited = [](const double(&values)[4], const sky::CubicTaps& taps, double a, double b) {
     double sum = 0.0;
     for (int i = 0; i < 4; ++i) sum += static_cast<double>(taps.weights[i]) * values[i];
     return std::clamp(sum, 0.9 * std::min(a, b), 1.1 * std::max(a, b));
   };
-  const auto cubic = [&](const double(&values)[4], const sky::Taps& taps, int between) {
+  const auto cubic = [&](const double(&values)[4], const sky::CubicTaps& taps, int between) {
     return limited(values, taps, values[between], values[between + 1]);
   };
   // Over suns the weights hold the ratios of the brightness there to that of the nodes.
   const auto over_suns = [&](const double(&values)[4]) {
-    return limited(values, under.taps, static_cast<double>(under.ratios[0]) * values[under.between],
-                   static_cast<double>(under.ratios[1]) * values[under.between + 1]);
+    const sky::SunTaps& taps = under.taps;
+    return limited(values, taps.cubic, static_cast<double>(taps.ratios[0]) * values[taps.cubic.between],
+                   static_cast<double>(taps.ratios[1]) * values[taps.cubic.between + 1]);
   };
   // Which of the four nodes is next below: told by the signs of the weights, or by the end's being alone.
-  const auto between = [](const sky::Taps& taps) {
+  const auto between = [](const sky::CubicTaps& taps) {
     if (taps.weights[2] < 0.0F || taps.weights[0] == 1.0F) return 0;
     return taps.weights[1] < 0.0F || taps.weights[3] == 1.0F ? 2 : 1;
   };
-  double row[sky::kSliceRow]{};
-  for (int k = 0; k < sky::kSliceRow; ++k) {
+  double row[sky::kSkyRow]{};
+  for (int k = 0; k < sky::kSkyRow; ++k) {
     double views[4];
     for (int a = 0; a < 4; ++a) {
       double azimuths[4];
       for (int b = 0; b < 4; ++b) {
         double suns[4];
         for (int c = 0; c < 4; ++c) {
-          const int index =
-              ((position.taps.first + a) * slice.azimuths() + azimuth.first + b) * slice.suns() + under.taps.first + c;
-          suns[c] = static_cast<double>(slice.values()[sky::kSliceRow * index + k]);
+          const int index = ((position.taps.first + a) * slice.azimuths() + azimuth.first + b) * slice.suns() +
+                            under.taps.cubic.first + c;
+          suns[c] = static_cast<double>(slice.values()[sky::kSkyRow * index + k]);
         }
         azimuths[b] = over_suns(suns);
       }

@@ -1,6 +1,5 @@
 // Promise: the kernels that carry scattered light along rays are their twins in double, on every instruction set.
 #include "sky/sky_kernels.h"
-#include "sky/sun_brightness.h"
 #include "support/catch.h"
 #include "welkin/core.h"
 
