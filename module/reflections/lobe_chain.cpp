@@ -395,14 +395,9 @@ void LobeChain::copy_mip(std::size_t level, const Control& control) {
 
 void LobeChain::integrate_mip(const ChainTarget& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const int size = mip.size;
+  const auto grid = image::TexelGrid::cubemap(mip.size);
   std::vector<glm::dvec3> directions;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column)
-        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
-    }
-  }
+  for (std::int64_t texel = 0; texel < grid.texels(); ++texel) directions.push_back(grid.direction(texel));
   const std::vector<glm::dvec3> values = integrate_lobe(source_, *mip.lobe, directions, control);
   float* const rgb = target.chain.face(target.level, 0);
   for (std::size_t k = 0; k < values.size(); ++k) {
