@@ -1,5 +1,6 @@
 // The public calls: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -9,6 +10,7 @@
 #include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/box_reduction.h"
 #include "projection/cubemap_projection.h"
 #include "projection/lat_long_projection.h"
@@ -127,12 +129,8 @@ Projection project(const EnvironmentView& environment, const ProjectionOptions& 
 }
 
 const char* name(PassAction action) noexcept {
-  switch (action) {
-    case PassAction::run: return "run";
-    case PassAction::reuse: return "reuse";
-    case PassAction::skip: break;
-  }
-  return "skip";
+  static constexpr std::array kNames{"run", "reuse", "skip"};
+  return platform::name_in<PassAction::skip>(kNames, action, "skip");
 }
 
 }  // namespace welkin

@@ -1,6 +1,7 @@
 #include "reflections/prefilter.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/lobe_chain.h"
@@ -78,23 +80,13 @@ PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& 
 namespace welkin {
 
 const char* name(PrefilterMethod method) noexcept {
-  switch (method) {
-    case PrefilterMethod::automatic: return "automatic";
-    case PrefilterMethod::spectral: return "spectral";
-    case PrefilterMethod::reference: return "reference";
-  }
-  return "automatic";
+  static constexpr std::array kNames{"automatic", "spectral", "reference"};
+  return platform::name_in<PrefilterMethod::reference>(kNames, method, "automatic");
 }
 
 const char* name(MipMethod method) noexcept {
-  switch (method) {
-    case MipMethod::copy: return "copy";
-    case MipMethod::spectral: return "spectral";
-    case MipMethod::reference: return "reference";
-    case MipMethod::stored: return "stored";
-    case MipMethod::near_far: return "near_far";
-  }
-  return "copy";
+  static constexpr std::array kNames{"copy", "spectral", "reference", "stored", "near_far"};
+  return platform::name_in<MipMethod::near_far>(kNames, method, "copy");
 }
 
 PrefilteredSpecular prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,

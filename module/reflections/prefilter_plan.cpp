@@ -1,6 +1,7 @@
 #include "reflections/prefilter_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -324,12 +325,8 @@ PrefilterPlan plan_prefilter(const LobeChainOptions& options) {
 namespace welkin {
 
 const char* name(Quality quality) noexcept {
-  switch (quality) {
-    case Quality::normal: break;
-    case Quality::fast: return "fast";
-    case Quality::reference: return "reference";
-  }
-  return "normal";
+  static constexpr std::array kNames{"normal", "fast", "reference"};
+  return platform::name_in<Quality::reference>(kNames, quality, "normal");
 }
 
 double PrefilterOptions::texel_bound() const noexcept {
@@ -349,15 +346,8 @@ PrefilterOptions PrefilterOptions::at(Quality quality) {
 }
 
 const char* name(LobeFamily lobe) noexcept {
-  switch (lobe) {
-    case LobeFamily::ggx: break;
-    case LobeFamily::charlie: return "charlie";
-    case LobeFamily::lambert: return "lambert";
-    case LobeFamily::phong: return "phong";
-    case LobeFamily::blinn: return "blinn";
-    case LobeFamily::spectra: return "spectra";
-  }
-  return "ggx";
+  static constexpr std::array kNames{"ggx", "charlie", "lambert", "phong", "blinn", "spectra"};
+  return platform::name_in<LobeFamily::spectra>(kNames, lobe, "ggx");
 }
 
 int default_mip_count(const PrefilterOptions& options) {
