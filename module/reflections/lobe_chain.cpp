@@ -12,7 +12,6 @@
 #include "reflections/band_choice.h"
 #include "reflections/direct.h"
 #include "reflections/lobe.h"
-#include "reflections/radiance_scale.h"
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
@@ -61,7 +60,6 @@ PrefilteredSpecular LobeChain::run(const Control& control, float scale, Irradian
   result_.pixels.passes = std::move(passes_);
   result_.peak_bytes = memory_.peak();
   if (plan_.irradiance) *irradiance = irradiance_times(kPi / static_cast<double>(scale));
-  if (scale != 1.0F) undo_scale(result_, scale);
   return std::move(result_);
 }
 
