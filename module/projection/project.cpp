@@ -99,15 +99,12 @@ Projection project_level(const LatLongView& lat_long, const ProjectionOptions& o
   const jobs::Placement placement = jobs::placement_for(texels);
   const std::size_t workers = jobs::worker_count(placement);
   projection::LatLongProjector projector(lat_long.width, lat_long.height, options, workers);
-  const std::ptrdiff_t row_bytes = lat_long.row_stride_bytes != 0
-                                       ? lat_long.row_stride_bytes
-                                       : static_cast<std::ptrdiff_t>(bytes_per_texel(lat_long.format)) * lat_long.width;
   jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const int block = static_cast<int>(tile);
                     const int first_row = block * projector.rows_per_block();
                     LatLongView rows = lat_long;
-                    rows.pixels = static_cast<const std::byte*>(lat_long.pixels) + first_row * row_bytes;
+                    rows.pixels = image::row_of(lat_long, first_row);
                     rows.height = std::min(projector.rows_per_block(), lat_long.height - first_row);
                     projector.project_block(block, rows, worker);
                   });
