@@ -27,11 +27,6 @@ namespace {
 constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;  // 16 bands of 32 768 rows take 36 MiB
 constexpr double kPi = std::numbers::pi;
 
-math::TableCache<LatLongWeightsKey, LatLongWeights>& cache() {
-  static auto& tables = *new math::TableCache<LatLongWeightsKey, LatLongWeights>(kCacheBytes);  // never destroyed
-  return tables;
-}
-
 /// Calls `use(cell, begin, end)` for each cell that [index, index + 1) overlaps; `cells` cells share `count`
 /// indices evenly, begin and end are in units of indices.
 template <class Use>
@@ -109,7 +104,8 @@ void integrate_row(int row, int height, int bands, bool midpoint, double* sums) 
 }  // namespace
 
 std::shared_ptr<const LatLongWeights> LatLongWeights::get(const LatLongWeightsKey& key) {
-  return cache().get(key, [&] { return std::make_shared<const LatLongWeights>(key); });
+  static auto& cache = *new math::TableCache<LatLongWeightsKey, LatLongWeights>(kCacheBytes);  // never destroyed
+  return cache.get(key, [&] { return std::make_shared<const LatLongWeights>(key); });
 }
 
 LatLongWeights::LatLongWeights(const LatLongWeightsKey& key)
