@@ -120,7 +120,7 @@ void LobeChain::analyse_rings(const Control& control) {
     if (looked) sums.emplace(coarse, wanted);
     rings = rings_of_cubemap(coarse.rows, wanted, {control.stop, {}});
   } else {
-    rings = rings_of(source_, texels_, wanted, {control.stop, {}});
+    rings = rings_of_lat_long(source_, texels_);
     if (looked) sums.emplace(rings.view);
   }
   if (spectral_.near_mips.empty()) {
