@@ -26,7 +26,6 @@
 #include "reflections/brdf_table.h"
 #include "reflections/irradiance.h"
 #include "reflections/prefilter.h"
-#include "reflections/radiance_scale.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"

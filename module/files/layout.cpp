@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "platform/file.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "welkin/core.h"
 
@@ -228,20 +229,15 @@ constexpr std::array kFormats{"OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS"
 constexpr std::array kChannelTypes{"unknown", "half",   "float",    "uint",     "rgbe",
                                    "xyze",    "rgbd",   "uint1",    "uint2",    "uint4",
                                    "uint8",   "uint16", "ufloat10", "ufloat11", "shared exponent"};
-static_assert(kLayouts.size() == static_cast<std::size_t>(Layout::six_files) + 1);
-static_assert(kFormats.size() == static_cast<std::size_t>(FileFormat::jpeg) + 1);
-static_assert(kChannelTypes.size() == static_cast<std::size_t>(ChannelType::shared_exponent) + 1);
-
-template <class Names, class Enumeration>
-const char* name_in(const Names& names, Enumeration value) noexcept {
-  const auto index = static_cast<std::size_t>(value);
-  return index < names.size() ? names[index] : "unknown";
-}
 
 }  // namespace
 
-const char* name(Layout layout) noexcept { return name_in(kLayouts, layout); }
-const char* name(FileFormat format) noexcept { return name_in(kFormats, format); }
-const char* name(ChannelType type) noexcept { return name_in(kChannelTypes, type); }
+const char* name(Layout layout) noexcept { return platform::name_in<Layout::six_files>(kLayouts, layout, "unknown"); }
+const char* name(FileFormat format) noexcept {
+  return platform::name_in<FileFormat::jpeg>(kFormats, format, "unknown");
+}
+const char* name(ChannelType type) noexcept {
+  return platform::name_in<ChannelType::shared_exponent>(kChannelTypes, type, "unknown");
+}
 
 }  // namespace welkin

@@ -37,19 +37,6 @@ double exposure_to(double shown, double light) {
   return light > 0.0 && std::isfinite(exposure) && exposure > 0.0 ? exposure : 1.0;
 }
 
-/// Appends a row. `weight_of`: by column.
-template <class WeightOf>
-void add_row(PixelFormat format, const void* texels, const WeightOf& weight_of, std::vector<float>& decoded,
-             std::vector<Sample>& samples) {
-  const auto count = static_cast<int>(decoded.size() / 3);
-  image::decode_texels(format, texels, count, decoded.data());
-  const float* rgb = decoded.data();
-  for (int column = 0; column < count; ++column, rgb += 3) {
-    const double light = luminance(rgb);
-    samples.push_back({light > 0.0 ? light : 0.0, weight_of(column)});  // NaN is above nothing
-  }
-}
-
 /// Returns the luminance that `share` of the solid angle does not exceed, counting only samples of at least `least`.
 /// `samples` are sorted by luminance.
 double percentile(const std::vector<Sample>& samples, double share, double least) {
@@ -93,36 +80,42 @@ double exposure_of(const SphericalHarmonics& radiance) {
 
 namespace {
 
-std::vector<Sample> samples_of(const CubemapView& picture) {
-  const auto size = static_cast<std::size_t>(picture.size);
-  std::vector<float> decoded(3 * size);
+/// `row_of(row)`: its first texel; `weight_of(row, column)`.
+template <class RowOf, class WeightOf>
+std::vector<Sample> samples_of(PixelFormat format, int columns, int rows, const RowOf& row_of,
+                               const WeightOf& weight_of) {
+  std::vector<float> decoded(3 * static_cast<std::size_t>(columns));
   std::vector<Sample> samples;
-  samples.reserve(6 * size * size);
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < picture.size; ++row) {
-      const double v = (2.0 * row + 1.0) / picture.size - 1.0;
-      const auto weight = [&](int column) {
-        const double u = (2.0 * column + 1.0) / picture.size - 1.0;
-        const double squared = 1.0 + u * u + v * v;
-        return 1.0 / (squared * std::sqrt(squared));
-      };
-      add_row(picture.format, image::row_of(picture, face, row), weight, decoded, samples);
+  samples.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  for (int row = 0; row < rows; ++row) {
+    image::decode_texels(format, row_of(row), columns, decoded.data());
+    const float* rgb = decoded.data();
+    for (int column = 0; column < columns; ++column, rgb += 3) {
+      const double light = luminance(rgb);
+      samples.push_back({light > 0.0 ? light : 0.0, weight_of(row, column)});  // NaN is above nothing
     }
   }
   return samples;
 }
 
+std::vector<Sample> samples_of(const CubemapView& picture) {
+  const int size = picture.size;
+  const auto row_of = [&](int row) { return image::row_of(picture, row / size, row % size); };
+  return samples_of(picture.format, size, 6 * size, row_of, [size](int row, int column) {
+    const double u = (2.0 * column + 1.0) / size - 1.0;
+    const double v = (2.0 * (row % size) + 1.0) / size - 1.0;
+    const double squared = 1.0 + u * u + v * v;
+    return 1.0 / (squared * std::sqrt(squared));
+  });
+}
+
 std::vector<Sample> samples_of(const LatLongView& picture) {
-  const auto width = static_cast<std::size_t>(picture.width);
-  std::vector<float> decoded(3 * width);
-  std::vector<Sample> samples;
-  samples.reserve(width * static_cast<std::size_t>(picture.height));
-  for (int row = 0; row < picture.height; ++row) {
-    const double weight = image::lat_long_texel_solid_angle(picture.width, picture.height, row);
-    add_row(
-        picture.format, image::row_of(picture, row), [weight](int) { return weight; }, decoded, samples);
-  }
-  return samples;
+  std::vector<double> weights;
+  for (int row = 0; row < picture.height; ++row)
+    weights.push_back(image::lat_long_texel_solid_angle(picture.width, picture.height, row));
+  const auto row_of = [&](int row) { return image::row_of(picture, row); };
+  return samples_of(picture.format, picture.width, picture.height, row_of,
+                    [&](int row, int /*column*/) { return weights[static_cast<std::size_t>(row)]; });
 }
 
 }  // namespace

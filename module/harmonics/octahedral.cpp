@@ -10,6 +10,8 @@
 
 #include "harmonics/octahedral_border.h"
 #include "harmonics/octahedral_overlap.h"
+#include "image/cube_symmetry.h"
+#include "image/geometry.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "math/direction.h"
@@ -157,11 +159,14 @@ class Resampling {
  public:
   Resampling(const CubemapView& view, const Square& square)
       : source_(view), inner_(square.inner()), level_(square), centres_(texels_of_their_own(inner_)) {
+    const int edge = view.size + 2;  // with the ring, from whose first texel columns and rows count
     for (std::size_t number = 0; number < kSymmetries; ++number) {
-      const octahedral::Symmetry symmetry{(number & 1U) != 0, (number & 2U) != 0, (number & 4U) != 0,
-                                          (number & 8U) != 0};
-      for (int face = 0; face < 6; ++face)
-        images_[number][static_cast<std::size_t>(face)] = octahedral::image_of_face(symmetry, face, view.size);
+      for (int face = 0; face < 6; ++face) {
+        images_[number][static_cast<std::size_t>(face)] =
+            image::image_of_face(face, [&](const image::CubeTexel& texel) {
+              return image::texel_at(edge, moved(number, image::point_of(edge, texel)));
+            });
+      }
     }
   }
 
@@ -186,6 +191,15 @@ class Resampling {
  private:
   static constexpr std::size_t kSymmetries = 16;
 
+  /// A symmetry of the map, which is one of the cube too: exchange of x and y, then other signs.
+  [[nodiscard]] static glm::ivec3 moved(std::size_t number, glm::ivec3 point) noexcept {
+    if ((number & 1U) != 0) std::swap(point.x, point.y);
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((number >> (axis + 1) & 1U) != 0) point[axis] = -point[axis];
+    }
+    return point;
+  }
+
   /// Fills the texel and its images, each once.
   void fill_images(const Centre& centre, const octahedral::TexelOverlap& overlap) {
     const auto [a, b] = centre;
@@ -207,12 +221,12 @@ class Resampling {
   }
 
   [[nodiscard]] dvec3 mean(const octahedral::TexelOverlap& overlap,
-                           const std::array<octahedral::FaceImage, 6>& images) const noexcept {
+                           const std::array<image::FaceImage, 6>& images) const noexcept {
     dvec3 sum(0.0);
     double whole = 0.0;
     const int edge = source_.size() + 2;
     for (const octahedral::Patch& patch : overlap.patches()) {
-      const octahedral::FaceImage& image = images[static_cast<std::size_t>(patch.face)];
+      const image::FaceImage& image = images[static_cast<std::size_t>(patch.face)];
       const float* const first =
           source_.texel(image.face, image.column + image.across_columns * patch.column + image.down_columns * patch.row,
                         image.row + image.across_rows * patch.column + image.down_rows * patch.row);
@@ -236,7 +250,7 @@ class Resampling {
   int inner_;
   Level level_;
   std::vector<Centre> centres_;
-  std::array<std::array<octahedral::FaceImage, 6>, kSymmetries> images_{};
+  std::array<std::array<image::FaceImage, 6>, kSymmetries> images_{};
 };
 
 }  // namespace

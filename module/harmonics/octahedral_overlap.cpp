@@ -248,29 +248,4 @@ void TexelOverlap::add_piece(std::span<const glm::dvec2> corners, const Patch& p
   weights[patch.columns + 1] += both;
 }
 
-FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept {
-  const auto rotated = [&](const glm::dvec3& axis) {
-    const glm::dvec3 position = symmetry.swapped ? glm::dvec3(axis.y, axis.x, axis.z) : axis;
-    return glm::dvec3(symmetry.mirrored_x ? -position.x : position.x, symmetry.mirrored_y ? -position.y : position.y,
-                      symmetry.mirrored_z ? -position.z : position.z);
-  };
-  const image::Frame& frame = image::face_frame(face);
-  FaceImage to{};
-  to.face = image::face_of(rotated(frame.normal));
-  const image::Frame& other = image::face_frame(to.face);
-  const auto along = [&](const glm::dvec3& of, const glm::dvec3& axis) {
-    return static_cast<int>(glm::dot(rotated(of), axis));
-  };
-  // A symmetry takes the face's axes to axes of the other face, or their opposites: each product is -1, 0 or 1, the
-  // step of a column or a row there. The first texel lies at the far end of an axis along which the steps go down.
-  to.across_columns = along(frame.u, other.u);
-  to.across_rows = along(frame.u, other.v);
-  to.down_columns = along(frame.v, other.u);
-  to.down_rows = along(frame.v, other.v);
-  const int last = size + 1;
-  to.column = to.across_columns + to.down_columns < 0 ? last : 0;
-  to.row = to.across_rows + to.down_rows < 0 ? last : 0;
-  return to;
-}
-
 }  // namespace welkin::octahedral

@@ -73,24 +73,4 @@ class TexelOverlap {
   std::vector<double> weights_;
 };
 
-/// A symmetry of the map, which is one of the cube too: exchange of x and y, then other signs.
-struct Symmetry {
-  bool swapped = false;
-  bool mirrored_x = false;
-  bool mirrored_y = false;
-  bool mirrored_z = false;
-
-  friend bool operator==(const Symmetry&, const Symmetry&) = default;
-};
-
-/// The position of a face's texels after a symmetry: in `face`, the one at (0, 0) at (column, row), those to its right
-/// and below it by these steps.
-struct FaceImage {
-  int face;
-  int column, row;
-  int across_columns, across_rows;
-  int down_columns, down_rows;
-};
-[[nodiscard]] FaceImage image_of_face(const Symmetry& symmetry, int face, int size) noexcept;
-
 }  // namespace welkin::octahedral

@@ -171,12 +171,8 @@ double factor(Window window, int l, double parameter) {
 }  // namespace
 
 const char* name(Window window) noexcept {
-  switch (window) {
-    case Window::hanning: return "hanning";
-    case Window::lanczos: return "lanczos";
-    case Window::min_laplacian: return "min-laplacian";
-    default: return "none";
-  }
+  static constexpr std::array kNames{"none", "hanning", "lanczos", "min-laplacian"};
+  return platform::name_in<Window::min_laplacian>(kNames, window, "none");
 }
 
 WindowResult apply_window(const SphericalHarmonics& radiance, Window window, double width) {

@@ -6,6 +6,8 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "image/geometry.h"
+
 namespace welkin::image {
 
 // The 16 that keep the vertical axis. On a lat-long whose columns divide by four the images of a texel lie at the same
@@ -38,6 +40,30 @@ inline glm::ivec3 moved_back(const CubeImage& image, glm::ivec3 point) noexcept 
   for (int k = 0; k < image.quarter; ++k) point = {point.z, point.y, -point.x};
   if (image.mirrored) point.x = -point.x;
   return point;
+}
+
+/// The position of a face's texels after a symmetry: in `face`, the one at (0, 0) at (column, row), those to its right
+/// and below it by these steps.
+struct FaceImage {
+  int face;
+  int column, row;
+  int across_columns, across_rows;
+  int down_columns, down_rows;
+};
+
+/// `image_of(texel)`: where the symmetry takes a texel.
+template <class ImageOf>
+FaceImage image_of_face(int face, const ImageOf& image_of) {
+  const CubeTexel first = image_of(CubeTexel{face, 0, 0});
+  const CubeTexel right = image_of(CubeTexel{face, 1, 0});
+  const CubeTexel below = image_of(CubeTexel{face, 0, 1});
+  return {first.face,
+          first.column,
+          first.row,
+          right.column - first.column,
+          right.row - first.row,
+          below.column - first.column,
+          below.row - first.row};
 }
 
 using WholeMatrix = glm::mat<3, 3, int>;

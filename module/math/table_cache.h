@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "platform/float_environment.h"
 
@@ -95,5 +96,15 @@ class TableCache {
   std::list<std::shared_ptr<Entry>> entries_;
   std::size_t bytes_ = 0;
 };
+
+/// A table that is a list of numbers.
+struct NumberTable {
+  std::vector<double> values;
+  [[nodiscard]] std::size_t bytes() const noexcept { return values.size() * sizeof(double); }
+};
+
+[[nodiscard]] inline std::shared_ptr<const NumberTable> number_table(std::vector<double> values) {
+  return std::make_shared<const NumberTable>(NumberTable{std::move(values)});
+}
 
 }  // namespace welkin::math

@@ -92,6 +92,15 @@ using std::from_chars;
 
 #endif
 
+/// Returns an enumerator's name, of `names` by value, the `last` enumerator's at the end; `otherwise` of other values.
+template <auto last, std::size_t count>
+[[nodiscard]] constexpr const char* name_in(const std::array<const char*, count>& names, decltype(last) value,
+                                            const char* otherwise) noexcept {
+  static_assert(count == static_cast<std::size_t>(last) + 1, "each enumerator has a name");
+  const auto index = static_cast<std::size_t>(value);
+  return index < count ? names[index] : otherwise;
+}
+
 /// A path as UTF-8. (`path::string` has the host's code page on Windows, and fails where that has no such character.)
 /// Elsewhere paths are bytes, and these are they.
 [[nodiscard]] inline std::string utf8(const std::filesystem::path& path) {

@@ -15,12 +15,12 @@ namespace welkin::projection {
 namespace {
 
 /// A row's channels as they are averaged: floats as they are, 8-bit values as 0 to 255.
-void decode_row(const CubemapView& cubemap, const std::byte* row, float* rgb) {
+void decode_row(const CubemapView& cubemap, const void* row, float* rgb) {
   if (!image::is_eight_bit(cubemap.format)) {
     image::decode_texels(cubemap.format, row, cubemap.size, rgb);
     return;
   }
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(row);
+  const auto* bytes = static_cast<const std::uint8_t*>(row);
   const std::size_t channels = bytes_per_texel(cubemap.format);
   for (int column = 0; column < cubemap.size; ++column, bytes += channels, rgb += 3) {
     for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(bytes[c]);
@@ -71,17 +71,13 @@ void check_row(const Sanitizer& sanitizer, int face, int row, int size, Scratch&
 /// Reduces one row of cells of one face.
 void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, const std::optional<Sanitizer>& strict,
                 Scratch& scratch, SanitizeRecord& record, float* cells) {
-  const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(cubemap.format));
-  const std::ptrdiff_t row_bytes =
-      cubemap.row_stride_bytes != 0 ? cubemap.row_stride_bytes : texel_bytes * cubemap.size;
-  const auto* const pixels = static_cast<const std::byte*>(cubemap.faces[static_cast<std::size_t>(face)]);
   const double ratio = static_cast<double>(cubemap.size) / target;
   const auto edge = [ratio](int cell) { return static_cast<int>(std::floor(cell * ratio)); };
   float* const decoded = scratch.decoded.data();
   double* const sums = scratch.sums.data();
   std::fill_n(sums, 3 * target, 0.0);
   for (int row = edge(cell_row); row < edge(cell_row + 1); ++row) {
-    decode_row(cubemap, pixels + row * row_bytes, decoded);
+    decode_row(cubemap, image::row_of(cubemap, face, row), decoded);
     if (strict) check_row(*strict, face, row, cubemap.size, scratch, record);
     for (int cell = 0; cell < target; ++cell) {
       for (int column = edge(cell); column < edge(cell + 1); ++column) {

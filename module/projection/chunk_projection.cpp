@@ -15,9 +15,6 @@ using simd::kLanes;
 constexpr int kFaces = 6;
 constexpr int kClasses = kMaximumClasses;
 
-constexpr std::size_t kPlaneFloats = std::size_t{3} * kClasses * kChunk;
-constexpr std::size_t kRunFloats = std::size_t{4} * 3 * kChunk;
-
 /// How many chunks a tile has: some 64 tiles a cubemap, enough for many cores, of 4 to 16 chunks, 24 576 to 98 304
 /// texels, 10 to 50 microseconds: long against the microsecond that a tile's own work takes.
 int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16); }
@@ -35,8 +32,6 @@ bool is_beyond_cache(const CubemapView& cubemap) {
 
 /// Stands in for the bottom row where a row is its own mirror image.
 alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
-
-std::size_t sums_of(int functions) { return static_cast<std::size_t>(3 * functions); }
 
 }  // namespace
 
@@ -65,33 +60,13 @@ FoldQuadrants ChunkProjection::direct_fold(PixelFormat format) const {
   return fold == fold_format_count ? nullptr : kernels_.fold_quadrants[fold];
 }
 
-// A worker's scratch memory, one part after the other.
-
 ChunkProjection::Scratch::Scratch(const ChunkProjection& projection)
     : Scratch(projection.functions_, projection.weights_.scratch_size()) {}
 
 ChunkProjection::Scratch::Scratch(int functions, std::size_t weight_floats)
-    : floats_(kPlaneFloats + kRunFloats + weight_floats),
-      doubles_(kFaces * sums_of(functions) * kSumLanes + 2 * sums_of(functions)),
-      functions_(functions) {}
-
-float* ChunkProjection::Scratch::planes() noexcept { return floats_.data(); }
-
-float* ChunkProjection::Scratch::run(int index) noexcept {
-  return planes() + kPlaneFloats + std::ptrdiff_t{3} * kChunk * index;
-}
-
-float* ChunkProjection::Scratch::weights() noexcept { return planes() + kPlaneFloats + kRunFloats; }
-
-double* ChunkProjection::Scratch::lanes(int face) noexcept {
-  return doubles_.data() + static_cast<std::size_t>(face) * sums_of(functions_) * kSumLanes;
-}
-
-std::span<double> ChunkProjection::Scratch::face_sums() noexcept { return {lanes(kFaces), sums_of(functions_)}; }
-
-std::span<double> ChunkProjection::Scratch::sanitized_sums() noexcept {
-  return {lanes(kFaces) + sums_of(functions_), sums_of(functions_)};
-}
+    : sums_(static_cast<std::size_t>(3 * functions)),
+      floats_(kPlaneFloats + 4 * kRunFloats + weight_floats),
+      doubles_(kFaces * sums_ * kSumLanes + 2 * sums_) {}
 
 // A tile.
 
@@ -248,7 +223,7 @@ void ChunkProjection::fold_rest(RowRun run, int whole, Scratch& scratch) const {
 void ChunkProjection::decode(const RowRun& run, Scratch& scratch) const {
   const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
   const std::byte* const rows[2] = {run.top, run.bottom};
-  for (int side = 0; side < 2; ++side) {
+  for (std::size_t side = 0; side < 2; ++side) {
     float* const left = scratch.run(2 * side);
     float* const right = scratch.run(2 * side + 1);
     std::fill_n(left, 3 * padded, 0.0F);
@@ -265,7 +240,7 @@ void ChunkProjection::decode_and_sanitize(const RowRun& run, const float* weight
   decode(run, scratch);
   const int padded = (run.count + kLanes - 1) / kLanes * kLanes;
   const int right_column = cubemap_.size - run.first_column - run.paired;
-  for (int side = 0; side < 2; ++side) {
+  for (std::size_t side = 0; side < 2; ++side) {
     if (side == 1 && run.bottom == nullptr) break;
     const int row = side == 0 ? run.row : run.mirrored_row;
     sanitize({.rgb = scratch.run(2 * side),

@@ -41,19 +41,25 @@ class ChunkProjection {
    private:
     friend class ChunkProjection;
 
-    [[nodiscard]] float* planes() noexcept;  ///< [3][kMaximumClasses][kChunk]
-    /// Decoded runs of a row: top left, top right, bottom left, bottom right.
-    [[nodiscard]] float* run(int index) noexcept;
-    [[nodiscard]] float* weights() noexcept;
-    /// A face's sums, spread over lanes: [3][functions][kSumLanes].
-    [[nodiscard]] double* lanes(int face) noexcept;
-    /// One face's sums, [3][functions]; and those of its sanitized chunks so far.
-    [[nodiscard]] std::span<double> face_sums() noexcept;
-    [[nodiscard]] std::span<double> sanitized_sums() noexcept;
+    static constexpr std::size_t kPlaneFloats = std::size_t{3} * kMaximumClasses * kChunk;
+    static constexpr std::size_t kRunFloats = std::size_t{3} * kChunk;
 
+    // One part after the other.
+    [[nodiscard]] float* planes() noexcept { return floats_.data(); }  ///< [3][kMaximumClasses][kChunk]
+    /// Decoded runs of a row: top left, top right, bottom left, bottom right.
+    [[nodiscard]] float* run(std::size_t index) noexcept { return planes() + kPlaneFloats + kRunFloats * index; }
+    [[nodiscard]] float* weights() noexcept { return run(4); }
+    /// A face's sums, spread over lanes: [3][functions][kSumLanes].
+    [[nodiscard]] double* lanes(int face) noexcept {
+      return doubles_.data() + static_cast<std::size_t>(face) * sums_ * kSumLanes;
+    }
+    /// One face's sums, [3][functions]; and those of its sanitized chunks so far.
+    [[nodiscard]] std::span<double> face_sums() noexcept { return {lanes(6), sums_}; }
+    [[nodiscard]] std::span<double> sanitized_sums() noexcept { return {lanes(6) + sums_, sums_}; }
+
+    std::size_t sums_;  ///< of a face
     platform::AlignedBuffer<float> floats_;
     platform::AlignedBuffer<double> doubles_;
-    int functions_;
   };
 
   /// The sums of a tile on each of the faces, as far as its texels can be taken as they lie.

@@ -27,7 +27,6 @@ namespace welkin::projection {
 namespace {
 
 constexpr int kFaces = 6;
-constexpr std::array<int, kFaces> kAllFaces{0, 1, 2, 3, 4, 5};
 
 /// [3][functions]
 std::vector<double> sum_of_tiles(const FaceSums& face) {

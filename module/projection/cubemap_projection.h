@@ -20,6 +20,7 @@ namespace welkin::projection {
 [[nodiscard]] Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options,
                                          const Control& control);
 
+inline constexpr std::array<int, 6> kAllFaces{0, 1, 2, 3, 4, 5};
 using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 
 /// The sums of some faces (0 to 5, none twice), null for the others. Throws likewise.

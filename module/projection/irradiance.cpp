@@ -1,9 +1,8 @@
 // Irradiance texel by texel: no harmonics, many normals at a time.
-#include "projection/irradiance.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <string>
@@ -22,7 +21,7 @@
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
-namespace welkin::projection {
+namespace welkin {
 namespace {
 
 constexpr std::ptrdiff_t kMaxNormals = 100'000;
@@ -33,8 +32,8 @@ void require_possible(std::ptrdiff_t normals) {
               std::to_string(normals) + " normals; 1 to " + std::to_string(kMaxNormals) + " are possible");
 }
 
-}  // namespace
-
+/// Directions that cover the sphere evenly: equal steps in height, each turned by the golden angle from the one before.
+/// The same bits on every machine. Throws `Error` (invalid_argument) unless 1 <= count <= 100 000.
 std::vector<glm::dvec3> spiral(int count) {
   require_possible(count);
   // The Fibonacci spiral. A zone of the sphere of height dy has the area 2 pi dy (Archimedes), so heights in equal
@@ -52,11 +51,6 @@ std::vector<glm::dvec3> spiral(int count) {
   }
   return normals;
 }
-
-}  // namespace welkin::projection
-
-namespace welkin {
-namespace {
 
 /// max(0, cosine).
 /// E(n) = Int L max(0, n . d) dw is the sum over texels of L Int max(0, n . d) dw. For a texel above the horizon the
@@ -87,7 +81,7 @@ class CosineFunction final : public projection::KernelFunction {
 };
 
 std::vector<glm::dvec3> unit_normals(std::span<const glm::dvec3> normals) {
-  projection::require_possible(static_cast<std::ptrdiff_t>(normals.size()));
+  require_possible(static_cast<std::ptrdiff_t>(normals.size()));
   return math::unit_directions(normals, "normal");
 }
 
@@ -157,7 +151,7 @@ std::vector<IrradianceError> errors_at(const std::vector<glm::dvec3>& normals, c
 std::vector<IrradianceError> irradiance_errors(const EnvironmentView& environment, const SphericalHarmonics& radiance,
                                                int normals, const PixelPolicy& pixels, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const std::vector<glm::dvec3> directions = projection::spiral(normals);
+  const std::vector<glm::dvec3> directions = spiral(normals);
   return errors_at(directions, direct_irradiance(environment, directions, pixels, control), radiance);
 }
 
@@ -247,16 +241,13 @@ Cubemap direct_irradiance_cubemap(const EnvironmentView& source, int size, const
   Cubemap result = empty_cubemap(size, control);
   const std::span<float> pixels = result.pixels();
   const std::size_t texels = pixels.size() / 3;
-  const auto edge = static_cast<std::size_t>(size);
+  const auto grid = image::TexelGrid::cubemap(size);
   std::vector<glm::dvec3> normals;
   for (std::size_t first = 0; first < texels; first += normals.size()) {
     const std::size_t end = std::min(texels, first + kNormalsAtATime);
     normals.clear();
-    for (std::size_t texel = first; texel < end; ++texel) {
-      const auto row = static_cast<int>(texel / edge);
-      normals.push_back(
-          image::face_direction(size, row / size, static_cast<double>(texel % edge) + 0.5, row % size + 0.5));
-    }
+    for (std::size_t texel = first; texel < end; ++texel)
+      normals.push_back(grid.direction(static_cast<std::int64_t>(texel)));
     const auto share = [&](std::size_t done) { return static_cast<double>(done) / static_cast<double>(texels); };
     const Control part = jobs::part_of(control, share(first), share(end));
     const std::vector<glm::dvec3> irradiance = direct_irradiance(source, normals, {}, part);

@@ -27,11 +27,6 @@ namespace {
 constexpr std::size_t kCacheBytes = std::size_t{64} << 20U;  // 16 bands of 32 768 rows take 36 MiB
 constexpr double kPi = std::numbers::pi;
 
-math::TableCache<LatLongWeightsKey, LatLongWeights>& cache() {
-  static auto& tables = *new math::TableCache<LatLongWeightsKey, LatLongWeights>(kCacheBytes);  // never destroyed
-  return tables;
-}
-
 /// Calls `use(cell, begin, end)` for each cell that [index, index + 1) overlaps; `cells` cells share `count`
 /// indices evenly, begin and end are in units of indices.
 template <class Use>
@@ -109,7 +104,8 @@ void integrate_row(int row, int height, int bands, bool midpoint, double* sums) 
 }  // namespace
 
 std::shared_ptr<const LatLongWeights> LatLongWeights::get(const LatLongWeightsKey& key) {
-  return cache().get(key, [&] { return std::make_shared<const LatLongWeights>(key); });
+  static auto& cache = *new math::TableCache<LatLongWeightsKey, LatLongWeights>(kCacheBytes);  // never destroyed
+  return cache.get(key, [&] { return std::make_shared<const LatLongWeights>(key); });
 }
 
 LatLongWeights::LatLongWeights(const LatLongWeightsKey& key)
@@ -329,15 +325,11 @@ struct LatLongProjector::State {
 void LatLongProjector::State::project_block(int block, const LatLongView& rows, Scratch& scratch) noexcept {
   std::fill(scratch.local_sums.begin(), scratch.local_sums.end(), 0.0);
   std::fill(scratch.exact_local_sums.begin(), scratch.exact_local_sums.end(), 0.0);
-  const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(rows.format));
-  const std::ptrdiff_t row_bytes = rows.row_stride_bytes != 0 ? rows.row_stride_bytes : texel_bytes * width;
-  const auto* const pixels = static_cast<const std::byte*>(rows.pixels);
+  const auto row_of = [&rows](int index) { return static_cast<const std::byte*>(image::row_of(rows, index)); };
   SanitizeRecord& record = sums.record(static_cast<std::size_t>(block));
   for (int index = 0; index < rows.height; ++index) {
     const int row = block * rows_per_block + index;
-    const std::byte* const texels = pixels + index * row_bytes;
-    const std::byte* const next_row = index + 1 < rows.height ? texels + row_bytes : nullptr;
-    sum_row(texels, next_row, rows.format, row, scratch, record);
+    sum_row(row_of(index), index + 1 < rows.height ? row_of(index + 1) : nullptr, rows.format, row, scratch, record);
     add_row(row, scratch);
   }
   transforms::lat_long_transform(options.bands)

@@ -24,11 +24,6 @@ struct Key {
   bool operator==(const Key&) const = default;
 };
 
-math::TableCache<Key, MidpointError>& cache() {
-  static auto& tables = *new math::TableCache<Key, MidpointError>(kCacheBytes);  // never destroyed
-  return tables;
-}
-
 /// Solves `matrix` x = b for each row b of `right`, in weight_rows, by Cholesky's way. Both are [n][n]; the first is
 /// symmetric and positive definite.
 void solve(std::vector<double>& matrix, int n, double* right) {
@@ -110,7 +105,8 @@ struct MidpointError::Samples {
 };
 
 std::shared_ptr<const MidpointError> MidpointError::get(int size, int bands, const TexelWeights& weights) {
-  return cache().get({size, bands}, [&] { return std::make_shared<const MidpointError>(size, bands, weights); });
+  static auto& cache = *new math::TableCache<Key, MidpointError>(kCacheBytes);  // never destroyed
+  return cache.get({size, bands}, [&] { return std::make_shared<const MidpointError>(size, bands, weights); });
 }
 
 MidpointError::MidpointError(int size, int bands, const TexelWeights& weights)

@@ -1,7 +1,10 @@
-// The public calls: arguments checked, the size chosen, the passes recorded.
+// The public calls, of pictures and of faces alone: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +12,7 @@
 #include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/box_reduction.h"
 #include "projection/cubemap_projection.h"
 #include "projection/lat_long_projection.h"
@@ -97,15 +101,12 @@ Projection project_level(const LatLongView& lat_long, const ProjectionOptions& o
   const jobs::Placement placement = jobs::placement_for(texels);
   const std::size_t workers = jobs::worker_count(placement);
   projection::LatLongProjector projector(lat_long.width, lat_long.height, options, workers);
-  const std::ptrdiff_t row_bytes = lat_long.row_stride_bytes != 0
-                                       ? lat_long.row_stride_bytes
-                                       : static_cast<std::ptrdiff_t>(bytes_per_texel(lat_long.format)) * lat_long.width;
   jobs::run_tiles(static_cast<std::size_t>(projector.block_count()), placement, workers, control,
                   [&](std::size_t tile, std::size_t worker) {
                     const int block = static_cast<int>(tile);
                     const int first_row = block * projector.rows_per_block();
                     LatLongView rows = lat_long;
-                    rows.pixels = static_cast<const std::byte*>(lat_long.pixels) + first_row * row_bytes;
+                    rows.pixels = image::row_of(lat_long, first_row);
                     rows.height = std::min(projector.rows_per_block(), lat_long.height - first_row);
                     projector.project_block(block, rows, worker);
                   });
@@ -126,13 +127,81 @@ Projection project(const EnvironmentView& environment, const ProjectionOptions& 
   return image::with_view(environment, [&](const auto& view) { return project_level(view, options, control); });
 }
 
-const char* name(PassAction action) noexcept {
-  switch (action) {
-    case PassAction::run: return "run";
-    case PassAction::reuse: return "reuse";
-    case PassAction::skip: break;
+namespace {
+
+// The sums of a cubemap's faces, kept one by one.
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
+
+/// As the projection itself wants them: with the target that counts.
+ProjectionOptions effective(int size, ProjectionOptions options) {
+  options.target_size = projection::effective_target(size, options);
+  return options;
+}
+
+void check_faces(std::span<const int> faces) {
+  unsigned seen = 0;
+  for (const int face : faces) {
+    if (face < 0 || face > 5) refuse("face " + std::to_string(face) + "; a cubemap has faces 0 to 5");
+    const unsigned bit = 1U << static_cast<unsigned>(face);
+    if ((seen & bit) != 0) refuse("face " + std::to_string(face) + " is named twice; name each face once");
+    seen |= bit;
   }
-  return "skip";
+}
+
+}  // namespace
+
+std::size_t FaceHarmonics::bytes() const noexcept {
+  std::size_t bytes = sizeof *this;
+  for (const auto& face : faces_) bytes += face ? face->bytes() : 0;
+  return bytes;
+}
+
+FaceHarmonics project_faces(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  FaceHarmonics faces(cubemap.size, options);
+  update_faces(faces, cubemap, projection::kAllFaces, control);
+  return faces;
+}
+
+void update_faces(FaceHarmonics& kept, const CubemapView& cubemap, std::span<const int> faces, const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  image::check_view(cubemap);
+  projection::check_options(kept.options());
+  if (kept.options().quadrature == Quadrature::midpoint && projection::effective_target(cubemap.size, kept.options())) {
+    refuse("sums of faces are not kept for a target size with the midpoint rule; pass no target_size, or exact");
+  }
+  check_faces(faces);
+  if (cubemap.size != kept.size()) {
+    refuse("a cubemap of " + std::to_string(cubemap.size) + ", but sums of one of " + std::to_string(kept.size()) +
+           " are kept; call project_faces");
+  }
+  if (faces.empty()) return;
+  const projection::SixFaceSums sums =
+      projection::sum_faces(cubemap, effective(kept.size(), kept.options()), faces, control);
+  for (const int face : faces) kept.set_face(face, sums[static_cast<std::size_t>(face)]);
+}
+
+Projection combine(const FaceHarmonics& faces) {
+  const platform::FloatingPointScope floating_point;
+  projection::SixFaceSums sums;
+  for (int face = 0; face < 6; ++face) {
+    sums[static_cast<std::size_t>(face)] = faces.face(face);
+    if (!faces.face(face)) refuse("face " + std::to_string(face) + " has no sums; call project_faces or update_faces");
+  }
+  const ProjectionOptions options = effective(faces.size(), faces.options());
+  const auto functions = static_cast<std::size_t>(options.bands) * static_cast<std::size_t>(options.bands);
+  for (const auto& face : sums) {
+    if (face->functions == functions && face->records.size() == projection::tiles_of_face(faces.size(), options))
+      continue;
+    refuse("a face's sums are of another size or other options; call project_faces");
+  }
+  return projection::total_of_faces(sums, faces.size(), options);
+}
+
+const char* name(PassAction action) noexcept {
+  static constexpr std::array kNames{"run", "reuse", "skip"};
+  return platform::name_in<PassAction::skip>(kNames, action, "skip");
 }
 
 }  // namespace welkin

@@ -39,8 +39,6 @@ constexpr std::int64_t kTexelsPerTile = 49'152;
 /// So many probes are more than a cache holds, as a rule.
 constexpr std::size_t kMany = 16;
 
-constexpr std::array<int, 6> kAllFaces{0, 1, 2, 3, 4, 5};
-
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
 std::int64_t texels_of(const CubemapView& probe) { return texels_of(probe.size); }
 

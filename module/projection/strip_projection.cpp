@@ -43,43 +43,22 @@ StripProjection::StripProjection(const CubemapView& cubemap, const ProjectionOpt
 // A worker's scratch memory, one part after the other.
 
 StripProjection::Scratch::Scratch(const StripProjection& projection) {
+  const StripWeights& strips = projection.strip_weights_;
   const int columns = widest_segment(projection.cubemap_.size);
-  const int moments = projection.strip_weights_.moments();
-  const int planes = projection.strip_weights_.packed() ? 0 : 6 * moments * kStripPlaneFloats;
-  floats_ = platform::AlignedBuffer<float>(projection.strip_weights_.size(columns) +
-                                           projection.strip_weights_.scratch_size(columns) +
-                                           4 * static_cast<std::size_t>(kStripRows * kChannels * columns) +
-                                           static_cast<std::size_t>(strip_scratch(moments) + planes));
-  doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>((6 * kSumLanes + 1) * projection.sums()));
+  const std::ptrdiff_t piece = std::ptrdiff_t{kStripRows * kChannels} * columns;
+  face_planes_ = strips.packed() ? 0 : std::ptrdiff_t{kStripPlaneFloats} * strips.moments();
+  face_lanes_ = std::ptrdiff_t{kSumLanes} * projection.sums();
+  floats_ = platform::AlignedBuffer<float>(
+      strips.size(columns) + strips.scratch_size(columns) +
+      static_cast<std::size_t>(4 * piece + strip_scratch(strips.moments()) + 6 * face_planes_));
+  doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(6 * face_lanes_ + projection.sums()));
+  weights_ = floats_.data();
+  weight_rows_ = weights_ + strips.size(columns);
+  for (int k = 0; k < 4; ++k) decoded_[k] = weight_rows_ + strips.scratch_size(columns) + k * piece;
+  of_kernel_ = decoded_[3] + piece;
+  planes_ = of_kernel_ + strip_scratch(strips.moments());
+  totals_ = lanes(6);
 }
-
-float* StripProjection::weights(Scratch& scratch) noexcept { return scratch.floats_.data(); }
-
-float* StripProjection::weight_rows(Scratch& scratch) const noexcept {
-  return weights(scratch) + strip_weights_.size(widest_segment(cubemap_.size));
-}
-
-float* StripProjection::decoded(Scratch& scratch, const Piece& piece) const noexcept {
-  const int columns = widest_segment(cubemap_.size);
-  const int number = (piece.bottom ? 2 : 0) + (piece.right ? 1 : 0);
-  return weight_rows(scratch) + strip_weights_.scratch_size(columns) + number * kStripRows * kChannels * columns;
-}
-
-float* StripProjection::kernel_scratch(Scratch& scratch) const noexcept {
-  return decoded(scratch, {true, true}) + kStripRows * kChannels * widest_segment(cubemap_.size);
-}
-
-float* StripProjection::planes(Scratch& scratch, int face) const noexcept {
-  const int moments = strip_weights_.moments();
-  return kernel_scratch(scratch) + strip_scratch(moments) +
-         static_cast<std::ptrdiff_t>(face) * moments * kStripPlaneFloats;
-}
-
-double* StripProjection::lanes(Scratch& scratch, int face) const noexcept {
-  return scratch.doubles_.data() + static_cast<std::ptrdiff_t>(face) * sums() * kSumLanes;
-}
-
-double* StripProjection::totals(Scratch& scratch) const noexcept { return lanes(scratch, 6); }
 
 // Where a tile lies.
 
@@ -112,14 +91,14 @@ StripRows StripProjection::rows_in_place(const Tile& tile, int face, const Piece
 template <class RowsOf>
 void StripProjection::sum_pieces(FoldFormat format, const Tile& tile, int face, const RowsOf& rows_of,
                                  Scratch& scratch) const {
-  std::fill_n(lanes(scratch, face), sums() * kSumLanes, 0.0);
+  std::fill_n(scratch.lanes(face), sums() * kSumLanes, 0.0);
   const StripPieces pieces{rows_of({false, false}), rows_of({false, true}), rows_of({true, false}),
                            rows_of({true, true})};
   const StripFunctions& strips = strip_kernels().strips[format].of[strip_weights_.moments() - kMinMoments];
   if (strip_weights_.packed()) {
-    strips.sum(pieces, tile.positions, weights(scratch), kernel_scratch(scratch), lanes(scratch, face));
+    strips.sum(pieces, tile.positions, scratch.weights_, scratch.of_kernel_, scratch.lanes(face));
   } else {
-    strips.fold(pieces, tile.positions, kernel_scratch(scratch), planes(scratch, face));
+    strips.fold(pieces, tile.positions, scratch.of_kernel_, scratch.planes(face));
   }
 }
 
@@ -128,18 +107,18 @@ void StripProjection::sum_pieces(FoldFormat format, const Tile& tile, int face, 
 void StripProjection::weigh(const Tile& tile, std::span<const int> faces, Scratch& scratch) const {
   if (strip_weights_.packed()) return;
   for (int k = 0; k < strip_weights_.moments(); ++k) {
-    const float* const moment = weights(scratch) + static_cast<std::ptrdiff_t>(k) * functions_ * kChunk;
+    const float* const moment = scratch.weights_ + static_cast<std::ptrdiff_t>(k) * functions_ * kChunk;
     for (const int face : faces) {
-      projection_kernels().weighted_sums(planes(scratch, face) + k * kStripPlaneFloats, kMaximumClasses, moment,
+      projection_kernels().weighted_sums(scratch.planes(face) + k * kStripPlaneFloats, kMaximumClasses, moment,
                                          weights_.class_counts(), tile.positions / simd::kLanes, {},
-                                         lanes(scratch, face));
+                                         scratch.lanes(face));
     }
   }
 }
 
 void StripProjection::sum_tile(int index, Scratch& scratch) const {
   const Tile tile = tile_at(index);
-  strip_weights_.fill(tile.strip, tile.first_column, tile.positions, weights(scratch), weight_rows(scratch));
+  strip_weights_.fill(tile.strip, tile.first_column, tile.positions, scratch.weights_, scratch.weight_rows_);
   if (direct_ == fold_format_count) return;
   for (const int face : faces_) {
     sum_pieces(
@@ -150,9 +129,9 @@ void StripProjection::sum_tile(int index, Scratch& scratch) const {
 
 std::span<const double> StripProjection::face_sums(int index, int face, Scratch& scratch,
                                                    SanitizeRecord& record) const {
-  const std::span<double> total{totals(scratch), static_cast<std::size_t>(sums())};
+  const std::span<double> total{scratch.totals_, static_cast<std::size_t>(sums())};
   if (direct_ != fold_format_count) {
-    projection_kernels().fold_sum_lanes(lanes(scratch, face), sums(), total.data());
+    projection_kernels().fold_sum_lanes(scratch.lanes(face), sums(), total.data());
     if (all_finite(total)) return total;
   }
   const Tile tile = tile_at(index);
@@ -167,12 +146,12 @@ StripRows StripProjection::decode_and_sanitize(const Tile& tile, int face, const
                                                SanitizeRecord& record) const {
   const int row_floats = kChannels * tile.positions;
   for (int k = 0; k < kStripRows; ++k) {
-    float* const rgb = decoded(scratch, piece) + static_cast<std::ptrdiff_t>(k) * row_floats;
+    float* const rgb = scratch.decoded_[piece.index()] + static_cast<std::ptrdiff_t>(k) * row_floats;
     const int row = row_of(tile, piece, k);
     image::decode_texels(cubemap_.format, texel(face, row, first_column(tile, piece)), tile.positions, rgb);
     sanitize(tile, face, piece, row, rgb, record);
   }
-  return {decoded(scratch, piece), row_floats * static_cast<std::ptrdiff_t>(sizeof(float))};
+  return {scratch.decoded_[piece.index()], row_floats * static_cast<std::ptrdiff_t>(sizeof(float))};
 }
 
 void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb,
@@ -199,13 +178,13 @@ void StripProjection::sum_sanitized(const Tile& tile, int face, Scratch& scratch
       [&](const Piece& piece) { return decode_and_sanitize(tile, face, piece, scratch, record); }, scratch);
   const int faces[] = {face};
   weigh(tile, faces, scratch);
-  projection_kernels().fold_sum_lanes(lanes(scratch, face), sums(), totals(scratch));
+  projection_kernels().fold_sum_lanes(scratch.lanes(face), sums(), scratch.totals_);
 }
 
 /// For finite texels near the largest float, whose sums fit a double only: rare, so it is slow.
 void StripProjection::sum_in_double(const Tile& tile, int face, Scratch& scratch) const {
-  std::fill_n(totals(scratch), sums(), 0.0);
-  float* const weights = weight_rows(scratch);
+  std::fill_n(scratch.totals_, sums(), 0.0);
+  float* const weights = scratch.weight_rows_;
   float rgb[kChannels * kSegment];
   SanitizeRecord counted_before;
   for (int k = 0; k < kStripRows; ++k) {
@@ -226,7 +205,7 @@ void StripProjection::sum_in_double(const Tile& tile, int face, Scratch& scratch
           const bool negative = (odd_in_u && !piece.right) != (odd_in_v && !piece.bottom);
           const double weight = static_cast<double>(weights[f * tile.positions + t]) * (negative ? -1.0 : 1.0);
           for (int c = 0; c < kChannels; ++c) {
-            totals(scratch)[c * functions_ + f] += weight * static_cast<double>(texel_rgb[c]);
+            scratch.totals_[c * functions_ + f] += weight * static_cast<double>(texel_rgb[c]);
           }
         }
       }

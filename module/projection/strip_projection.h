@@ -31,15 +31,26 @@ class StripProjection {
   StripProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                   const Sanitizer& sanitizer, const TexelWeights& weights);
 
-  /// What one worker needs.
+  /// What one worker needs, in two pieces.
   class Scratch {
    public:
     explicit Scratch(const StripProjection& projection);
 
    private:
     friend class StripProjection;
+    [[nodiscard]] float* planes(int face) noexcept { return planes_ + face * face_planes_; }
+    [[nodiscard]] double* lanes(int face) noexcept { return doubles_.data() + face * face_lanes_; }
+
     platform::AlignedBuffer<float> floats_;
     platform::AlignedBuffer<double> doubles_;
+    std::ptrdiff_t face_planes_;  ///< none where weights are packed
+    std::ptrdiff_t face_lanes_;
+    float* weights_;
+    float* weight_rows_;
+    float* decoded_[4];  ///< rows of the pieces: top left, top right, bottom left, bottom right
+    float* of_kernel_;
+    float* planes_;
+    double* totals_;
   };
 
   /// The sums of a tile on each of the faces, [3][bands^2] in the order of the weights.
@@ -57,6 +68,8 @@ class StripProjection {
   struct Piece {
     bool bottom;
     bool right;
+
+    [[nodiscard]] std::size_t index() const noexcept { return (bottom ? 2U : 0U) + (right ? 1U : 0U); }
   };
 
   [[nodiscard]] int sums() const noexcept { return 3 * functions_; }
@@ -73,15 +86,6 @@ class StripProjection {
   void sanitize(const Tile& tile, int face, const Piece& piece, int row, float* rgb, SanitizeRecord& record) const;
   void sum_sanitized(const Tile& tile, int face, Scratch& scratch, SanitizeRecord& record) const;
   void sum_in_double(const Tile& tile, int face, Scratch& scratch) const;
-
-  // Parts of the scratch.
-  [[nodiscard]] static float* weights(Scratch& scratch) noexcept;
-  [[nodiscard]] float* weight_rows(Scratch& scratch) const noexcept;
-  [[nodiscard]] float* decoded(Scratch& scratch, const Piece& piece) const noexcept;
-  [[nodiscard]] float* kernel_scratch(Scratch& scratch) const noexcept;  ///< of the kernel
-  [[nodiscard]] float* planes(Scratch& scratch, int face) const noexcept;
-  [[nodiscard]] double* lanes(Scratch& scratch, int face) const noexcept;
-  [[nodiscard]] double* totals(Scratch& scratch) const noexcept;
 
   const CubemapView& cubemap_;
   std::span<const int> faces_;

@@ -38,11 +38,6 @@ int symmetry_class(int m) {
   return order % 2 == 0 ? 3 : 2;
 }
 
-math::TableCache<TexelWeightsKey, TexelWeights>& cache() {
-  static auto& tables = *new math::TableCache<TexelWeightsKey, TexelWeights>(kCacheBytes);  // never destroyed
-  return tables;
-}
-
 }  // namespace
 
 math::GaussRule weights_rule(int size, int bands) {
@@ -60,7 +55,8 @@ TexelWeightsKey weights_key(int size, const ProjectionOptions& options) noexcept
 }
 
 std::shared_ptr<const TexelWeights> TexelWeights::get(const TexelWeightsKey& key) {
-  return cache().get(key, [&] { return std::make_shared<const TexelWeights>(key); });
+  static auto& cache = *new math::TableCache<TexelWeightsKey, TexelWeights>(kCacheBytes);  // never destroyed
+  return cache.get(key, [&] { return std::make_shared<const TexelWeights>(key); });
 }
 
 TexelWeights::TexelWeights(const TexelWeightsKey& key)

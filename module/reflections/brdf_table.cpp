@@ -77,11 +77,6 @@ void check_edge(const char* which, int edge) {
                                                "; pass 1 to " + std::to_string(kLargestEdge));
 }
 
-math::TableCache<BrdfTableOptions, BrdfTable>& cache() {
-  static auto& tables = *new math::TableCache<BrdfTableOptions, BrdfTable>(kCacheBytes);  // never destroyed
-  return tables;
-}
-
 }  // namespace
 
 std::size_t reflections::brdf_values(const BrdfTableOptions& options) noexcept {
@@ -102,8 +97,9 @@ std::shared_ptr<const BrdfTable> reflections::shared_brdf(const BrdfTableOptions
   // What would not be kept is made without the cache, where whoever wants the same waits for it, deaf to its own stop.
   if (reflections::brdf_values(options) * sizeof(float) > kCacheBytes)
     return reflections::integrated_brdf(options, control);
+  static auto& cache = *new math::TableCache<BrdfTableOptions, BrdfTable>(kCacheBytes);  // never destroyed
   made = false;
-  std::shared_ptr<const BrdfTable> table = cache().get(options, [&] {
+  std::shared_ptr<const BrdfTable> table = cache.get(options, [&] {
     made = true;
     return reflections::integrated_brdf(options, control);
   });

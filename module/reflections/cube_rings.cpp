@@ -192,10 +192,8 @@ SourceRows rows_without(const std::vector<BrightTexel>& bright, const projection
   return rest;
 }
 
-Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright, int rows,
-               const Control& control) {
+Rings rings_of_lat_long(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright) {
   SourceRows rest = rows_without(bright, source);
-  if (source.cubemap()) return rings_of_cubemap(rest.rows, rows, control);
   Rings rings{transforms::PictureRows(source.lat_long()), std::move(rest.owned)};
   rings.view.rows = std::move(rest.rows);
   return rings;

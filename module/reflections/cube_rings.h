@@ -87,10 +87,9 @@ struct Rings {
 /// any number of threads. Throws `Error` (cancelled).
 [[nodiscard]] Rings rings_of_cubemap(const std::vector<const float*>& faces, int rows, const Control& control);
 
-/// `source` without `bright`, which go by rows: of a lat-long the caller's own rows but for those with bright texels; a
-/// cubemap on `rows` rings.
-[[nodiscard]] Rings rings_of(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright,
-                             int rows, const Control& control);
+/// A lat-long without `bright`, which go by rows: the caller's own rows but for those with bright texels.
+[[nodiscard]] Rings rings_of_lat_long(const projection::SanitizedSource& source,
+                                      const std::vector<BrightTexel>& bright);
 
 /// A bound on what the rings of a cubemap of `size` take in addition to themselves, halved faces and a `RingTable` that
 /// has yet to be made included.

@@ -141,16 +141,6 @@ struct Key {
   bool operator==(const Key&) const = default;
 };
 
-struct Table {
-  std::vector<double> values;
-  [[nodiscard]] std::size_t bytes() const { return values.size() * sizeof(double); }
-};
-
-math::TableCache<Key, Table>& cache() {
-  static auto& tables = *new math::TableCache<Key, Table>(kCachedBytes);  // never destroyed
-  return tables;
-}
-
 }  // namespace
 
 double lobe(double cosine, double alpha) noexcept { return cosine > 0.0 ? lobe_of_distance(1.0 - cosine, alpha) : 0.0; }
@@ -169,9 +159,8 @@ double lobe_integral(double alpha) noexcept {
 }
 
 std::vector<double> lobe_spectrum(double alpha, int bands) {
-  return cache()
-      .get({alpha, bands}, [&] { return std::make_shared<const Table>(Table{compute_spectrum(alpha, bands)}); })
-      ->values;
+  static auto& cache = *new math::TableCache<Key, math::NumberTable>(kCachedBytes);  // never destroyed
+  return cache.get({alpha, bands}, [&] { return math::number_table(compute_spectrum(alpha, bands)); })->values;
 }
 
 std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands) {

@@ -12,7 +12,6 @@
 #include "reflections/band_choice.h"
 #include "reflections/direct.h"
 #include "reflections/lobe.h"
-#include "reflections/radiance_scale.h"
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
@@ -61,7 +60,6 @@ PrefilteredSpecular LobeChain::run(const Control& control, float scale, Irradian
   result_.pixels.passes = std::move(passes_);
   result_.peak_bytes = memory_.peak();
   if (plan_.irradiance) *irradiance = irradiance_times(kPi / static_cast<double>(scale));
-  if (scale != 1.0F) undo_scale(result_, scale);
   return std::move(result_);
 }
 
@@ -122,7 +120,7 @@ void LobeChain::analyse_rings(const Control& control) {
     if (looked) sums.emplace(coarse, wanted);
     rings = rings_of_cubemap(coarse.rows, wanted, {control.stop, {}});
   } else {
-    rings = rings_of(source_, texels_, wanted, {control.stop, {}});
+    rings = rings_of_lat_long(source_, texels_);
     if (looked) sums.emplace(rings.view);
   }
   if (spectral_.near_mips.empty()) {
@@ -395,14 +393,9 @@ void LobeChain::copy_mip(std::size_t level, const Control& control) {
 
 void LobeChain::integrate_mip(const ChainTarget& target, const MipPlan& mip, const Control& control) {
   const Stopwatch watch;
-  const int size = mip.size;
+  const auto grid = image::TexelGrid::cubemap(mip.size);
   std::vector<glm::dvec3> directions;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column)
-        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
-    }
-  }
+  for (std::int64_t texel = 0; texel < grid.texels(); ++texel) directions.push_back(grid.direction(texel));
   const std::vector<glm::dvec3> values = integrate_lobe(source_, *mip.lobe, directions, control);
   float* const rgb = target.chain.face(target.level, 0);
   for (std::size_t k = 0; k < values.size(); ++k) {

@@ -78,7 +78,7 @@ class LobeChain {
     result_.mips.resize(plan_.mips.size());
   }
 
-  /// `scale`: what the source was multiplied by.
+  /// `scale`: what the source was multiplied by, and so are the mips that this returns; the irradiance is not.
   PrefilteredSpecular run(const Control& control, float scale, IrradianceMap* irradiance);
 
  private:

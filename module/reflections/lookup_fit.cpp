@@ -154,16 +154,6 @@ struct FitKey {
   bool operator==(const FitKey&) const = default;
 };
 
-struct FittedTable {
-  std::vector<double> roughness;
-  [[nodiscard]] std::size_t bytes() const { return roughness.size() * sizeof(double); }
-};
-
-math::TableCache<FitKey, FittedTable>& fits() {
-  static auto& tables = *new math::TableCache<FitKey, FittedTable>(1U << 14U);  // never destroyed
-  return tables;
-}
-
 }  // namespace
 }  // namespace welkin::reflections
 
@@ -174,9 +164,10 @@ std::vector<double> fitted_mip_roughness(RoughnessSchedule schedule, int mips, i
   const auto fit = [&] {
     const std::vector<double> nominal = mip_roughness(schedule, mips, size);
     reflections::Fit lobes(nominal, {schedule, mips, size}, std::min(reflections::kDegrees, 2 * size));
-    return std::make_shared<const reflections::FittedTable>(reflections::FittedTable{lobes.run()});
+    return math::number_table(lobes.run());
   };
-  return reflections::fits().get({schedule, mips, size}, fit)->roughness;
+  static auto& fits = *new math::TableCache<reflections::FitKey, math::NumberTable>(1U << 14U);  // never destroyed
+  return fits.get({schedule, mips, size}, fit)->values;
 }
 
 }  // namespace welkin

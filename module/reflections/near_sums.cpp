@@ -140,19 +140,12 @@ class NearRecords {
     ColumnRange columns;
   };
 
-  /// Where an image has a face: columns and rows go with columns and rows, either way.
-  struct FaceImage {
-    int face, column, row;  ///< of the first texel
-    int across[2], down[2];
-  };
-
-  [[nodiscard]] FaceImage image_of_face(int part, int rotation, int image) const;
   void copy_of_face(const std::vector<const float*>& rows, const Piece& piece, int rotation, int image);
   void copy_of_lat_long(const std::vector<const float*>& rows, const Piece& piece, int image);
 
   NearSplit split_;
   std::vector<Piece> pieces_;
-  std::vector<FaceImage> images_;  ///< of a cubemap, [turn][part][image]
+  std::vector<image::FaceImage> images_;  ///< of a cubemap, [turn][part][image]
   std::vector<std::ptrdiff_t> rows_;
   platform::AlignedBuffer<float> records_;
 };
@@ -168,23 +161,12 @@ NearRecords::NearRecords(const NearSplit& split, const std::vector<ColumnRange>&
       pieces_.push_back({static_cast<int>(row), {column, std::min(end, column + kColumns)}});
   }
   records_ = platform::AlignedBuffer<float>(static_cast<std::size_t>(next));
-  for (int k = 0; split.cubemap() && k < kTurns * kParts * kRingImages; ++k)
-    images_.push_back(image_of_face(k / kRingImages % kParts, k / kRingImages / kParts, k % kRingImages));
-}
-
-NearRecords::FaceImage NearRecords::image_of_face(int part, int rotation, int image) const {
-  const auto place = [&](int column, int row) {
-    const int face = kNearFaces[static_cast<std::size_t>(part)];
-    return image_of(split_.face, image::point_of(split_.face, {face, column, row}), rotation, image);
-  };
-  const image::CubeTexel first = place(0, 0);
-  const image::CubeTexel right = place(1, 0);
-  const image::CubeTexel below = place(0, 1);
-  return {first.face,
-          first.column,
-          first.row,
-          {right.column - first.column, right.row - first.row},
-          {below.column - first.column, below.row - first.row}};
+  for (int k = 0; split.cubemap() && k < kTurns * kParts * kRingImages; ++k) {
+    images_.push_back(image::image_of_face(
+        kNearFaces[static_cast<std::size_t>(k / kRingImages % kParts)], [&](const image::CubeTexel& texel) {
+          return image_of(split.face, image::point_of(split.face, texel), k / kRingImages / kParts, k % kRingImages);
+        }));
+  }
 }
 
 void NearRecords::gather(const std::vector<const float*>& rows, int rotation, const Control& control) {
@@ -205,10 +187,13 @@ void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piec
   const int part = piece.row / size;
   const int row = piece.row % size;
   const auto [first, end] = piece.columns;
-  const FaceImage& own = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
-  const RecordCopy copy{rows.data(),   own.face * size + own.row + first * own.across[1] + row * own.down[1],
-                        own.across[1], own.column + first * own.across[0] + row * own.down[0],
-                        own.across[0], end - first,
+  const image::FaceImage& own = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
+  const RecordCopy copy{rows.data(),
+                        own.face * size + own.row + first * own.across_rows + row * own.down_rows,
+                        own.across_rows,
+                        own.column + first * own.across_columns + row * own.down_columns,
+                        own.across_columns,
+                        end - first,
                         size};
   copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
 }

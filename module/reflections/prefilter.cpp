@@ -1,19 +1,22 @@
 #include "reflections/prefilter.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/lobe_chain.h"
 #include "reflections/near_sums.h"
-#include "reflections/radiance_scale.h"
 #include "welkin/resampling.h"
 
 namespace welkin::reflections {
@@ -55,12 +58,64 @@ void make_tables(const PrefilterPlan& plan, int face_size, const Control& contro
   RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
 }
 
+float safe_scale(const projection::SanitizedSource& source) noexcept {
+  constexpr float kHuge = 1e18F;      // sums of squares of what is larger may exceed the range of floats
+  constexpr float kDown = 0x1p-100F;  // makes of the largest float 2.7e8
+  constexpr float kDark = 1e-25F;
+  constexpr float kUp = 0x1p100F;
+  float largest = 0.0F;
+  for (int row = 0; row < source.rows(); ++row)
+    largest = std::max({largest, source.range(row).largest, -source.range(row).least});
+  if (largest > kHuge) return kDown;
+  return largest > 0.0F && largest < kDark ? kUp : 1.0F;
+}
+
+namespace {
+
+/// Exact, but for what is 1e50 times darker than the brightest.
+std::vector<float> scaled_pixels(const projection::SanitizedSource& source, float scale) {
+  const auto row_values = std::size_t{3} * static_cast<std::size_t>(source.columns());
+  std::vector<float> pixels;
+  pixels.reserve(row_values * static_cast<std::size_t>(source.rows()));
+  for (int row = 0; row < source.rows(); ++row) {
+    const float* const values = source.row(row);
+    for (std::size_t k = 0; k < row_values; ++k) pixels.push_back(values[k] * scale);
+  }
+  return pixels;
+}
+
+/// Takes what was made of such a picture over the same scale. No value rounds beyond the floats.
+void undo_scale(PrefilteredSpecular& result, float scale) {
+  static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+  const double back = 1.0 / static_cast<double>(scale);
+  Cubemap& chain = result.cubemap;
+  for (int level = 0; level < chain.levels(); ++level) {
+    const auto edge = static_cast<std::size_t>(chain.level_size(level));
+    float* const values = chain.face(level, 0);
+    std::transform(values, values + 18 * edge * edge, values, [back](float value) {
+      return static_cast<float>(std::clamp(back * static_cast<double>(value), -most, most));
+    });
+  }
+  for (MipRecord& mip : result.mips) mip.mean *= back;
+}
+
+}  // namespace
+
 PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room,
                               const Control& control, IrradianceMap* irradiance) {
   const float scale = safe_scale(source);
   if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control, scale, irradiance);
-  const ScaledSource scaled(source, scale, {control.stop, {}});
-  return LobeChain(scaled.source(), plan, std::move(room), control.memory).run(control, scale, irradiance);
+  LatLongImage lat_long;
+  Cubemap cube;
+  if (source.cubemap())
+    cube = {source.columns(), scaled_pixels(source, scale)};
+  else
+    lat_long = {source.columns(), source.rows(), scaled_pixels(source, scale)};
+  const projection::SanitizedSource scaled(
+      source.cubemap() ? EnvironmentView(cube.view()) : EnvironmentView(lat_long.view()), {}, {control.stop, {}});
+  PrefilteredSpecular result = LobeChain(scaled, plan, std::move(room), control.memory).run(control, scale, irradiance);
+  undo_scale(result, scale);
+  return result;
 }
 
 PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
@@ -77,23 +132,13 @@ PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& 
 namespace welkin {
 
 const char* name(PrefilterMethod method) noexcept {
-  switch (method) {
-    case PrefilterMethod::automatic: return "automatic";
-    case PrefilterMethod::spectral: return "spectral";
-    case PrefilterMethod::reference: return "reference";
-  }
-  return "automatic";
+  static constexpr std::array kNames{"automatic", "spectral", "reference"};
+  return platform::name_in<PrefilterMethod::reference>(kNames, method, "automatic");
 }
 
 const char* name(MipMethod method) noexcept {
-  switch (method) {
-    case MipMethod::copy: return "copy";
-    case MipMethod::spectral: return "spectral";
-    case MipMethod::reference: return "reference";
-    case MipMethod::stored: return "stored";
-    case MipMethod::near_far: return "near_far";
-  }
-  return "copy";
+  static constexpr std::array kNames{"copy", "spectral", "reference", "stored", "near_far"};
+  return platform::name_in<MipMethod::near_far>(kNames, method, "copy");
 }
 
 PrefilteredSpecular prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,

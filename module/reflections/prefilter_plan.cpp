@@ -1,6 +1,7 @@
 #include "reflections/prefilter_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,15 @@ constexpr double kMinMaximumError = 1e-5;
 
 [[noreturn]] void refuse(ErrorCode code, const std::string& message) { throw Error(code, message); }
 
+/// Refuses an enumerator beyond the last one.
+template <class Enumeration>
+void require_known(const char* what, Enumeration value, Enumeration last) {
+  const int number = static_cast<int>(value);
+  if (number >= 0 && value <= last) return;
+  refuse(ErrorCode::invalid_argument,
+         std::string("the ") + what + " " + std::to_string(number) + " is unknown; pass one of the enumerators");
+}
+
 void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
   if (!(value > 0.0 && value <= 1.0))
     refuse(ErrorCode::invalid_argument,
@@ -36,10 +46,7 @@ void check_error_bound(const char* what, double value, double least, PrefilterMe
 }
 
 void check_lobe(const PrefilterOptions& options) {
-  if (static_cast<int>(options.lobe) < 0 || options.lobe > LobeFamily::spectra) {
-    refuse(ErrorCode::invalid_argument,
-           "the lobe " + std::to_string(static_cast<int>(options.lobe)) + " is unknown; pass one of the enumerators");
-  }
+  require_known("lobe", options.lobe, LobeFamily::spectra);
   if ((options.lobe == LobeFamily::spectra) == !options.spectra.empty()) return;
   refuse(ErrorCode::invalid_argument, options.spectra.empty()
                                           ? "the lobe is spectra, and there are none; pass one for each mip"
@@ -270,10 +277,7 @@ void plan_family(const PrefilterOptions& options, const std::vector<double>& rou
 
 PrefilterPlan plan_prefilter(const PrefilterOptions& options) {
   image::require_range("size", options.size, 1, kLargestSize);
-  if (static_cast<int>(options.method) < 0 || options.method > PrefilterMethod::reference) {
-    refuse(ErrorCode::invalid_argument, "the method " + std::to_string(static_cast<int>(options.method)) +
-                                            " is unknown; pass one of the enumerators");
-  }
+  require_known("method", options.method, PrefilterMethod::reference);
   check_error_bound("rms_error", options.rms_error, kMinRmsError, options.method);
   if (options.maximum_error)
     check_error_bound("maximum_error", *options.maximum_error, kMinMaximumError, options.method);
@@ -324,12 +328,8 @@ PrefilterPlan plan_prefilter(const LobeChainOptions& options) {
 namespace welkin {
 
 const char* name(Quality quality) noexcept {
-  switch (quality) {
-    case Quality::normal: break;
-    case Quality::fast: return "fast";
-    case Quality::reference: return "reference";
-  }
-  return "normal";
+  static constexpr std::array kNames{"normal", "fast", "reference"};
+  return platform::name_in<Quality::reference>(kNames, quality, "normal");
 }
 
 double PrefilterOptions::texel_bound() const noexcept {
@@ -338,10 +338,7 @@ double PrefilterOptions::texel_bound() const noexcept {
 }
 
 PrefilterOptions PrefilterOptions::at(Quality quality) {
-  if (static_cast<int>(quality) < 0 || quality > Quality::reference) {
-    reflections::refuse(ErrorCode::invalid_argument, "the quality " + std::to_string(static_cast<int>(quality)) +
-                                                         " is unknown; pass one of the enumerators");
-  }
+  reflections::require_known("quality", quality, Quality::reference);
   PrefilterOptions options;
   if (quality == Quality::fast) options.rms_error = 1e-2;
   if (quality == Quality::reference) options.method = PrefilterMethod::reference;
@@ -349,15 +346,8 @@ PrefilterOptions PrefilterOptions::at(Quality quality) {
 }
 
 const char* name(LobeFamily lobe) noexcept {
-  switch (lobe) {
-    case LobeFamily::ggx: break;
-    case LobeFamily::charlie: return "charlie";
-    case LobeFamily::lambert: return "lambert";
-    case LobeFamily::phong: return "phong";
-    case LobeFamily::blinn: return "blinn";
-    case LobeFamily::spectra: return "spectra";
-  }
-  return "ggx";
+  static constexpr std::array kNames{"ggx", "charlie", "lambert", "phong", "blinn", "spectra"};
+  return platform::name_in<LobeFamily::spectra>(kNames, lobe, "ggx");
 }
 
 int default_mip_count(const PrefilterOptions& options) {

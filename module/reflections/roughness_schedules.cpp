@@ -1,5 +1,6 @@
 // Which roughness each mip has, engine by engine.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -59,14 +60,8 @@ double roughness_of_mip(RoughnessSchedule schedule, int mip, int mips, int size)
 }  // namespace
 
 const char* name(RoughnessSchedule schedule) noexcept {
-  switch (schedule) {
-    case RoughnessSchedule::linear: return "linear";
-    case RoughnessSchedule::filament: return "filament";
-    case RoughnessSchedule::babylon: return "babylon";
-    case RoughnessSchedule::unity: return "unity";
-    case RoughnessSchedule::unreal: return "unreal";
-  }
-  return "linear";
+  static constexpr std::array kNames{"linear", "filament", "babylon", "unity", "unreal"};
+  return platform::name_in<RoughnessSchedule::unreal>(kNames, schedule, "linear");
 }
 
 std::vector<double> mip_roughness(RoughnessSchedule schedule, int mips, int size) {

@@ -68,5 +68,37 @@ WELKIN_INLINE void sum_rows(const float* rows, Quad& sums) {
   sums = (four[0] + four[2]) + (four[1] + four[3]);
 }
 
+// Of the sets whose registers have four floats.
+#ifndef __AVX2__
+
+using Lanes = Quad;
+using DoubleLanes = Pair;
+using NarrowLanes = Lanes;
+using Block = Quad;
+
+using Rgb = RgbOf<Lanes>;
+using Texels = TexelsOf<Lanes>;
+using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
+using IntegerGroup = IntegersOf<Integers>;
+using Pairs = PairsOf<Lanes>;
+
+WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
+  return {Lanes::load_unaligned(first), Lanes::load_unaligned(first + 4), Lanes::load_unaligned(second),
+          Lanes::load_unaligned(second + 4)};
+}
+
+template <bool reversed = false>
+WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
+  Texels result;
+  for (int k = 0; k < 4; ++k) result.part[k] = texels.part[k] * Lanes(weights[reversed ? 3 - k : k]);
+  return result;
+}
+
+WELKIN_INLINE Quad folded(const Texels& texels) {
+  return (texels.part[0] + texels.part[2]) + (texels.part[1] + texels.part[3]);
+}
+
+#endif
+
 }  // namespace WELKIN_ISA
 }  // namespace welkin::simd

@@ -9,11 +9,6 @@ inline namespace WELKIN_ISA {
 using Quad = xsimd::batch<float, xsimd::neon64>;
 using Pair = xsimd::batch<double, xsimd::neon64>;
 
-using Lanes = Quad;
-using DoubleLanes = Pair;
-using NarrowLanes = Lanes;
-using Block = Quad;
-
 /// The first double plus the second.
 WELKIN_INLINE double sum(Pair values) { return vgetq_lane_f64(values, 0) + vgetq_lane_f64(values, 1); }
 
@@ -41,12 +36,6 @@ WELKIN_INLINE void transpose(Quad (&rows)[4]) {
 
 namespace welkin::simd {
 inline namespace WELKIN_ISA {
-
-using Rgb = RgbOf<Lanes>;
-using Texels = TexelsOf<Lanes>;
-using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
-using IntegerGroup = IntegersOf<Integers>;
-using Pairs = PairsOf<Lanes>;
 
 namespace detail {
 
@@ -107,22 +96,6 @@ WELKIN_INLINE Texels load_rgb_texels(const float* rgb) {
 WELKIN_INLINE Texels repeated_rgb(const float* rgb) {
   const Lanes one = detail::without_fourth(vld1q_f32(rgb));
   return {one, one, one, one};
-}
-
-WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
-  return {Lanes::load_unaligned(first), Lanes::load_unaligned(first + 4), Lanes::load_unaligned(second),
-          Lanes::load_unaligned(second + 4)};
-}
-
-template <bool reversed = false>
-WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
-  Texels result;
-  for (int k = 0; k < 4; ++k) result.part[k] = texels.part[k] * Lanes(weights[reversed ? 3 - k : k]);
-  return result;
-}
-
-WELKIN_INLINE Quad folded(const Texels& texels) {
-  return (texels.part[0] + texels.part[2]) + (texels.part[1] + texels.part[3]);
 }
 
 WELKIN_INLINE bool no_bit_set(const Texels& texels) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "image/pixels.h"
 #include "welkin/image.h"
 
 namespace welkin::transforms {
@@ -13,10 +14,7 @@ struct PictureRows {
   PictureRows() = default;
   /// Of a valid view of rgb32f pixels.
   explicit PictureRows(const LatLongView& view) : width(view.width), height(view.height) {
-    const std::ptrdiff_t packed = std::ptrdiff_t{12} * width;
-    const std::ptrdiff_t stride = view.row_stride_bytes != 0 ? view.row_stride_bytes : packed;
-    const auto* at = static_cast<const std::byte*>(view.pixels);
-    for (int k = 0; k < height; ++k, at += stride) rows.push_back(reinterpret_cast<const float*>(at));
+    for (int row = 0; row < height; ++row) rows.push_back(static_cast<const float*>(image::row_of(view, row)));
   }
 
   [[nodiscard]] const float* row(int index) const noexcept { return rows[static_cast<std::size_t>(index)]; }
