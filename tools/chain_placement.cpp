@@ -19,7 +19,7 @@
 
 namespace welkin::tool {
 
-TexelIndex shown_by(const FaceMapping& place, int size, int column, int row) {
+CubeTexel shown_by(const FaceMapping& place, int size, int column, int row) {
   if (place.transposed) std::swap(column, row);
   return {place.face, place.columns_mirrored ? size - 1 - column : column, place.rows_mirrored ? size - 1 - row : row};
 }
@@ -46,12 +46,12 @@ std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
       return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
     };
-    const image::CubeTexel left = shown(0, 1);
-    const image::CubeTexel top = shown(1, 0);
+    const CubeTexel left = shown(0, 1);
+    const CubeTexel top = shown(1, 0);
     for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
       const FaceMapping place = face_place(left.face, symmetry);
-      const TexelIndex a = shown_by(place, kSize, 0, 1);
-      const TexelIndex b = shown_by(place, kSize, 1, 0);
+      const CubeTexel a = shown_by(place, kSize, 0, 1);
+      const CubeTexel b = shown_by(place, kSize, 1, 0);
       if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
         places[static_cast<std::size_t>(face)] = place;
       }
@@ -145,7 +145,7 @@ class Differences {
     double sum = 0.0;
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const TexelIndex shown = shown_by(place, size, column, row);
+        const CubeTexel shown = shown_by(place, size, column, row);
         const auto index = [&](int of_face, int i, int j) {
           return static_cast<std::size_t>((of_face * size + j) * size + i);
         };
@@ -169,7 +169,7 @@ std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::
     for (std::size_t i = 0; i < image.size(); ++i) {
       const int column = static_cast<int>(i) % size;
       const int row = static_cast<int>(i) / size % size;
-      const TexelIndex shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
+      const CubeTexel shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
       const glm::dvec3& from = truth[static_cast<std::size_t>((shown.face * size + shown.row) * size + shown.column)];
       for (int channel = 0; channel < 3; ++channel) {
         const double difference = image[i][channel] - from[channels[static_cast<std::size_t>(channel)]];

@@ -18,7 +18,6 @@
 #include "tools/bake_options.h"
 #include "tools/chain_check.h"
 #include "tools/commands.h"
-#include "tools/harmonics_check.h"
 #include "tools/input.h"
 #include "tools/json.h"
 #include "tools/preview_light.h"

@@ -19,7 +19,6 @@
 #include "tools/input.h"
 #include "tools/orientation.h"
 #include "tools/preview_light.h"
-#include "tools/sample_room.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"
 #include "tools/text.h"
