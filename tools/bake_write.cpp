@@ -13,8 +13,6 @@
 #include "tools/bake_manifest.h"
 #include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
-#include "tools/playcanvas_atlas.h"
-#include "tools/preview_page.h"
 #include "tools/sh_command.h"
 #include "tools/terminal.h"
 #include "tools/text.h"

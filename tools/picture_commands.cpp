@@ -17,7 +17,6 @@
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
-#include "tools/orientation.h"
 #include "tools/preview_light.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"

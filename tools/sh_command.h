@@ -7,7 +7,6 @@
 
 #include "tools/arguments.h"
 #include "tools/input.h"
-#include "tools/orientation.h"
 #include "tools/sky_model.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
