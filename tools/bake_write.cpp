@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -51,32 +50,6 @@ Json details_of(const Subject& cubemap, const Job& job) {
   return details;
 }
 
-std::string range_of(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::rgba16f: return "beyond +-65504, the range of half floats, clamped";
-    case TexelFormat::rgba32f: return "that are not finite replaced";
-    case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
-    case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
-    case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
-    case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr:
-    case TexelFormat::uastc_hdr_4x4: return "below 0 or above 65504 clamped: ASTC ends there";
-    case TexelFormat::e5b9g9r9: break;
-  }
-  return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
-}
-
-/// The value above which the format clamps.
-glm::dvec3 largest_of(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::b10g11r11: return {65024.0, 65024.0, 64512.0};
-    case TexelFormat::e5b9g9r9: return glm::dvec3(65408.0);
-    case TexelFormat::rgba32f: return glm::dvec3(std::numeric_limits<float>::max());
-    default: break;
-  }
-  return glm::dvec3(65504.0);
-}
-
 constexpr const char* kWithoutSun = "--extract-sun makes the sun a separate light";
 
 /// Returns the options that keep the light that a format does not hold.
@@ -88,15 +61,6 @@ std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options
   const std::string floats = holds_floats && may_choose ? "--ktx2-format rgba32f keeps it" : "";
   if (!options.input || options.sun.take_out) return floats;
   return floats + (floats.empty() ? "" : ", ") + kWithoutSun;
-}
-
-/// What a float cannot hold does not come out of a bake: PFM clamps nothing.
-std::string range_of(Container container) {
-  switch (container) {
-    case Container::exr: return range_of(TexelFormat::rgba16f);
-    case Container::hdr: return "below 0 or above 1.69e38 clamped: RGBE ends there";
-    default: return "";
-  }
 }
 
 TextureOptions texture_options(const OutputFile& file, const Subject& cubemap, const Job& job) {
@@ -151,7 +115,7 @@ void write_texture_file(const OutputFile& file, const Subject& cubemap, const Jo
                       format_text(file),
                       0,
                       report.values_clamped,
-                      range_of(options.format),
+                      range_of(file),
                       details_of(cubemap, job),
                       caution_of(options.format, cubemap, job.options)};
   if (report.values_clamped > 0) {
@@ -174,7 +138,7 @@ void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job
     details["unit"] = cubemap.unit;
     details["axes"] = convention(job.options.orientation.to).name;
     job.folder.add({names[mip], cubemap.what, file.container == Container::hdr ? "Radiance RGBE" : "PFM", 0,
-                    report.values_clamped, range_of(file.container), details});
+                    report.values_clamped, range_of(file), details});
   }
 }
 
@@ -217,7 +181,7 @@ void write_lat_longs(const LatLongImage& picture, const Job& job) {
                         format,
                         0,
                         report.values_clamped,
-                        is_exr ? range_of(file.format) : range_of(file.container),
+                        range_of(file),
                         {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}};
     if (is_exr && report.values_clamped > 0) {
       written.share_clamped = share_beyond(picture.view(), largest_of(file.format));
@@ -330,7 +294,7 @@ void write_octahedral_maps(const BakeResult& light, const Job& job) {
                           {"roughness", roughness}, {"unit", "radiance"},   {"axes", "welkin"}};
     for (const std::filesystem::path& path : report.files) {
       job.folder.add({platform::utf8(path.filename()), "the specular cubemap as an octahedral map", format_text(file),
-                      0, report.values_clamped, range_of(texture.format), details});
+                      0, report.values_clamped, range_of(file), details});
     }
   }
 }

@@ -123,12 +123,8 @@ void add_cache_option(Options& table, CommonOptions& options) {
 }
 
 std::vector<std::pair<std::string, Layout>> layout_choices() {
-  std::vector<std::pair<std::string, Layout>> choices;
-  for (const Layout layout : {Layout::automatic, Layout::lat_long, Layout::vertical_strip, Layout::horizontal_strip,
-                              Layout::horizontal_cross, Layout::vertical_cross, Layout::six_files}) {
-    choices.emplace_back(name(layout), layout);
-  }
-  return choices;
+  return by_name({Layout::automatic, Layout::lat_long, Layout::vertical_strip, Layout::horizontal_strip,
+                  Layout::horizontal_cross, Layout::vertical_cross, Layout::six_files});
 }
 
 void add_read_options(Options& table, CommonOptions& options, const std::string& input,

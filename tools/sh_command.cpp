@@ -182,10 +182,7 @@ void add_bands_option(Options& table, ShOptions& options) {
 
 void add_window_options(Options& table, ShOptions& options) {
   table.push_back(choice<Window>("--window", options.window,
-                                 {{name(Window::none), Window::none},
-                                  {name(Window::hanning), Window::hanning},
-                                  {name(Window::lanczos), Window::lanczos},
-                                  {name(Window::min_laplacian), Window::min_laplacian}},
+                                 by_name({Window::none, Window::hanning, Window::lanczos, Window::min_laplacian}),
                                  "Damp the higher bands against ringing; default none; min-laplacian damps only as "
                                  "much as keeps irradiance from going below 0"));
   add_option(table, "--window-width", &options.window_width, "W",

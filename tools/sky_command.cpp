@@ -343,9 +343,7 @@ void add_table_options(Options& table, SkyOptions& options) {
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
   table.push_back(choice<SkyQuadrature>(
       "--quadrature", options.quadrature,
-      {{name(SkyQuadrature::uniform), SkyQuadrature::uniform},
-       {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
-       {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
+      by_name({SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}),
       "Directions of the projection: uniform in angles; Gauss nodes; or those with the glow around "
       "the sun integrated separately (default)"));
   const auto set_counts = [&options](const std::vector<int>& counts) {
