@@ -175,10 +175,11 @@ void BakeFolderCache::keep(const OutputFolder& folder, const std::string& manife
     cache_->keep_bytes(hash, bytes);
     files.push_back({{"name", file.name}, {"format", file.format}, {"bytes", bytes.size()}, {"hash", hash.text()}});
   }
-  Json list = Json::array();
-  for (const std::string& note : words.notes) list.push_back(note);
-  const Json index = {
-      {"files", files}, {"manifest", manifest}, {"source", words.source}, {"results", words.results}, {"notes", list}};
+  const Json index = {{"files", files},
+                      {"manifest", manifest},
+                      {"source", words.source},
+                      {"results", words.results},
+                      {"notes", words.notes}};
   const std::string text = index.one_line();
   cache_->keep_bytes(key_, std::as_bytes(std::span(text)));
   const CacheStatistics statistics = cache_->statistics();

@@ -39,9 +39,7 @@ std::string portable_note(std::string note, const BakeCommandOptions& options) {
 }
 
 Json notes_json(const std::vector<std::string>& notes, const BakeCommandOptions& options) {
-  Json list = Json::array();
-  for (const std::string& note : notes) list.push_back(portable_note(note, options));
-  return list;
+  return json_list(notes, [&](const std::string& note) { return portable_note(note, options); });
 }
 
 Json source_json(const Source& source, const BakeCommandOptions& options) {
@@ -115,7 +113,7 @@ Json made_json(const MipRecord& mip) {
           {"method", name(mip.method)},
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
-          {"error_estimate", mip.error_estimate ? Json(*mip.error_estimate) : Json(nullptr)},
+          {"error_estimate", mip.error_estimate},
           {"mean", json_triple(mip.mean)}};
 }
 
@@ -124,7 +122,7 @@ Json mip_json(const MipRecord& mip, std::size_t number) {
                {"roughness", mip.roughness},
                {"alpha", mip.roughness * mip.roughness},
                {"lobe_roughness", mip.lobe_roughness},
-               {"error_between", mip.error_between ? Json(*mip.error_between) : Json(nullptr)}};
+               {"error_between", mip.error_between}};
   const Json made = made_json(mip);
   for (const auto& [key, value] : made.members()) json[key] = value;
   return json;
@@ -285,13 +283,11 @@ std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions
 
 std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder,
                           const ToneMap& tone_map) {
-  Json files = Json::array();
-  for (const WrittenFile& file : folder.files()) files.push_back(file_json(file));
   Json json = {{"welkin", WELKIN_VERSION_STRING},
                {"source", source_json(baked.source, options)},
                {"axes", axes_json(options)},
                {"options", options_json(baked, options)},
-               {"files", files},
+               {"files", json_list(folder.files(), file_json)},
                {"specular", baked.light.specular ? mips_json(baked.light.specular->mips) : Json::array()}};
   if (const auto& irradiance = baked.light.irradiance_record) json["irradiance"] = made_json(*irradiance);
   if (!baked.env_mips.empty()) json["environment_" + baked.env_container] = mips_json(baked.env_mips);

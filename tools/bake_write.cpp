@@ -336,12 +336,6 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
   }
 }
 
-Json roughness_json(const std::vector<MipRecord>& mips) {
-  Json list = Json::array();
-  for (const MipRecord& mip : mips) list.push_back(mip.roughness);
-  return list;
-}
-
 constexpr const char* kRangeOfRgbd = "above 255 or below 0, the range of RGBD, clamped";
 constexpr double kLargestRgbd = 255.0;
 
@@ -376,7 +370,7 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
   const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
   const Json details = {{"size", environment.specular.size()},
                         {"mips", environment.specular.levels()},
-                        {"roughness", roughness_json(specular.mips)},
+                        {"roughness", roughness_of(specular)},
                         {"axes", "babylon"},
                         {"lod_generation_scale", environment.lod_generation_scale},
                         {"irradiance_size", environment.irradiance.size()},
@@ -396,7 +390,7 @@ void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder&
   write_text_file(folder.place(file), light.bytes);
   const Json details = {{"size", specular.cubemap.size()},
                         {"mips", specular.cubemap.levels()},
-                        {"roughness", roughness_json(specular.mips)},
+                        {"roughness", roughness_of(specular)},
                         {"axes", "gltf"}};
   folder.add(rgbd_file({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
                         "glTF 2.0 binary, RGBD in PNG", 0, light.values_clamped, kRangeOfRgbd, details},

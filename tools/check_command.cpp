@@ -122,7 +122,7 @@ Json mip_json(const MipCheck& mip, std::size_t index) {
   return {{"mip", index},
           {"size", mip.size},
           {"roughness", mip.roughness},
-          {"fitted_roughness", mip.fitted ? Json(*mip.fitted) : Json()},
+          {"fitted_roughness", mip.fitted},
           {"scale", json_triple(mip.scale)},
           {"rms", mip.errors.rms},
           {"largest", mip.errors.largest},
@@ -133,7 +133,7 @@ Json mip_json(const MipCheck& mip, std::size_t index) {
           {"bias", mip.errors.bias},
           {"rest", mip.rest},
           {"seams", mip.seams},
-          {"clipped_at", mip.clipped_at ? Json(*mip.clipped_at) : Json()},
+          {"clipped_at", mip.clipped_at},
           {"odd_values", mip.odd_values}};
 }
 

@@ -226,11 +226,12 @@ Json mips_json(std::size_t pictures) {
 
 /// The extension's object at the root of the document.
 Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>& coefficients) {
-  Json nine = Json::array();
-  for (const glm::dvec3& rgb : coefficients) nine.push_back(json_triple(rgb));
-  Json light = {
-      {"name", "environment"},          {"intensity", 1.0},          {"rotation", Json::array({0.0, 0.0, 0.0, 1.0})},
-      {"irradianceCoefficients", nine}, {"specularImageSize", size}, {"specularImages", mips_json(pictures)}};
+  Json light = {{"name", "environment"},
+                {"intensity", 1.0},
+                {"rotation", Json::array({0.0, 0.0, 0.0, 1.0})},
+                {"irradianceCoefficients", json_list(coefficients, json_triple)},
+                {"specularImageSize", size},
+                {"specularImages", mips_json(pictures)}};
   Json lights = Json::object();
   lights["lights"] = Json::array({light});
   return lights;

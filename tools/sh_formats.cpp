@@ -229,11 +229,7 @@ Json source_json(const Source& source) {
           {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
 }
 
-Json coefficients_json(const SphericalHarmonics& harmonics) {
-  Json list = Json::array();
-  for (const glm::dvec3& rgb : harmonics.coefficients()) list.push_back(json_triple(rgb));
-  return list;
-}
+Json coefficients_json(const SphericalHarmonics& harmonics) { return json_list(harmonics.coefficients(), json_triple); }
 
 Json babylon_json(const BabylonPolynomial& polynomial) {
   return {{"x", json_triple(polynomial.x)},   {"y", json_triple(polynomial.y)},   {"z", json_triple(polynomial.z)},
@@ -254,11 +250,9 @@ Json settings_json(const ShReport& report) {
 
 Json diagnostics_json(const ShReport& report) {
   const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
-  Json passes = Json::array();
-  for (const PassRecord& pass : diagnostics.passes) {
-    passes.push_back(
-        {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
-  }
+  const Json passes = json_list(diagnostics.passes, [](const PassRecord& pass) -> Json {
+    return {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}};
+  });
   return {{"texels", diagnostics.texels},
           {"replaced", diagnostics.nans_replaced + diagnostics.infinities_replaced + diagnostics.negatives_replaced},
           {"nans_replaced", diagnostics.nans_replaced},
@@ -321,12 +315,9 @@ Json sun_json(const std::optional<Sun>& sun) {
 }
 
 Json irradiance_errors_json(const std::vector<IrradianceError>& errors) {
-  Json list = Json::array();
-  for (const IrradianceError& error : errors) {
-    list.push_back(
-        {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}});
-  }
-  return list;
+  return json_list(errors, [](const IrradianceError& error) -> Json {
+    return {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}};
+  });
 }
 
 }  // namespace
