@@ -235,6 +235,11 @@ void OutputFolder::add(WrittenFile file) {
   files_.push_back(std::move(file));
 }
 
+void OutputFolder::write(WrittenFile file, const std::string& text) {
+  write_text_file(place(file.name), text);
+  add(std::move(file));
+}
+
 void OutputFolder::add_in_front(std::vector<WrittenFile> files) {
   const auto count = static_cast<std::ptrdiff_t>(files_.size());
   for (WrittenFile& file : files) add(std::move(file));

@@ -22,13 +22,13 @@ struct WrittenFile {
   std::string name;    ///< in the folder
   std::string what;    ///< "specular", "irradiance", ...
   std::string format;  ///< for a person: "KTX2 rgba16f"
-  std::uint64_t bytes = 0;
+  Json details{};      ///< more members for the manifest: sizes, roughness, axes
   std::uint64_t values_clamped = 0;
-  std::string range;           ///< words for the range that they were clamped to; empty if the format holds every value
-  Json details;                ///< more members for the manifest: sizes, roughness, axes
+  std::string range{};         ///< words for the range that they were clamped to; empty if the format holds every value
   std::string caution{};       ///< what else its format costs, if a person should know
   double share_clamped = 0.0;  ///< of all light, that the clamped values lost
   std::string remedy{};        ///< what keeps that light
+  std::uint64_t bytes = 0;
 };
 
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
@@ -55,6 +55,8 @@ class OutputFolder {
 
   /// Notes a file that is written; its size is looked up.
   void add(WrittenFile file);
+  /// Writes a file of text, and notes it.
+  void write(WrittenFile file, const std::string& text);
   /// The same of several, before those that are noted.
   void add_in_front(std::vector<WrittenFile> files);
 
