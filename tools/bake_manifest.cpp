@@ -197,14 +197,15 @@ void check_output_folder(const std::filesystem::path& path) {
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
 }
 
-OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control)
+OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control,
+                           const FileSet& set)
     : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
   if (trouble) fail_folder(path_, "cannot be created", trouble.message());
   check_output_folder(path_);
   wait_for_others(control);
-  own_.emplace(path_, kBakeFiles);
+  own_.emplace(path_, set);
   own_->begin(names);
 }
 

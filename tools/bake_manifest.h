@@ -31,6 +31,9 @@ struct WrittenFile {
   std::uint64_t bytes = 0;
 };
 
+inline constexpr const char* kManifestName = "manifest.json";
+inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
+
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
 void check_output_folder(const std::filesystem::path& path);
 
@@ -40,9 +43,10 @@ class OutputFolder {
  public:
   /// Makes the folder, and those above it, and waits until other bakes have left it. Takes away the manifest of an
   /// earlier bake: until this one's is written, as the last file, nobody shall take the folder for a finished one.
-  /// `names`: of all files that may be written. Throws `Error`: file_access if that cannot be done or as
-  /// `OwnFiles::require`; cancelled if `control` says so while it waits.
-  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control);
+  /// `names`: of all files that may be written; `set`: of what they are. Throws `Error`: file_access if that cannot be
+  /// done or as `OwnFiles::require`; cancelled if `control` says so while it waits.
+  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control,
+               const FileSet& set = kBakeFiles);
 
   /// Writes the manifest, which makes the folder a finished one, and removes what an earlier bake wrote and this one
   /// did not, but nothing that it `read`. Returns remarks for a person about such files.
@@ -71,9 +75,6 @@ class OutputFolder {
   std::optional<OwnFiles> own_;
   std::vector<WrittenFile> files_;
 };
-
-inline constexpr const char* kManifestName = "manifest.json";
-inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
 
 /// manifest.json, and what `welkin bake --json` prints. Members are only ever added: programs read this.
 [[nodiscard]] std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
