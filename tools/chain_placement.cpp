@@ -26,15 +26,17 @@ CubeTexel shown_by(const FaceMapping& place, int size, int column, int row) {
 
 namespace {
 
-constexpr int kPlaces = 8;  // of one face: the symmetries of a square
+constexpr int kSymmetries = 8;            // of a square
+constexpr int kPlaces = 6 * kSymmetries;  // of one face
 constexpr double kNearlyAsGood = 1.2;
 
-FaceMapping face_place(int face, int symmetry) {
-  return {face, (symmetry & 1) != 0, (symmetry & 2) != 0, (symmetry & 4) != 0};
+FaceMapping face_place(int index) {
+  return {index / kSymmetries, (index & 1) != 0, (index & 2) != 0, (index & 4) != 0};
 }
 
-int symmetry_of(const FaceMapping& place) {
-  return (place.columns_mirrored ? 1 : 0) + (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0);
+std::size_t index_of(const FaceMapping& place) {
+  return static_cast<std::size_t>(kSymmetries * place.face + (place.columns_mirrored ? 1 : 0) +
+                                  (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0));
 }
 
 /// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
@@ -48,8 +50,8 @@ std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
     };
     const CubeTexel left = shown(0, 1);
     const CubeTexel top = shown(1, 0);
-    for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-      const FaceMapping place = face_place(left.face, symmetry);
+    for (int symmetry = 0; symmetry < kSymmetries; ++symmetry) {
+      const FaceMapping place = face_place(kSymmetries * left.face + symmetry);
       const CubeTexel a = shown_by(place, kSize, 0, 1);
       const CubeTexel b = shown_by(place, kSize, 1, 0);
       if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
@@ -99,20 +101,16 @@ class Differences {
  public:
   Differences(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size) {
     for (int face = 0; face < 6; ++face) {
-      for (int shown = 0; shown < 6; ++shown) {
-        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-          at(face, shown, symmetry) = compare(image, truth, size, face, face_place(shown, symmetry));
-        }
+      for (int place = 0; place < kPlaces; ++place) {
+        squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(place)] =
+            compare(image, truth, size, face, face_place(place));
       }
     }
   }
 
   [[nodiscard]] double of(const std::array<FaceMapping, 6>& places) const {
     double sum = 0.0;
-    for (std::size_t face = 0; face < 6; ++face) {
-      sum += squares_[face][static_cast<std::size_t>(places[face].face)]
-                     [static_cast<std::size_t>(symmetry_of(places[face]))];
-    }
+    for (std::size_t face = 0; face < 6; ++face) sum += squares_[face][index_of(places[face])];
     return sum;
   }
 
@@ -120,25 +118,13 @@ class Differences {
   [[nodiscard]] std::array<FaceMapping, 6> each() const {
     std::array<FaceMapping, 6> places{};
     for (std::size_t face = 0; face < 6; ++face) {
-      double least = std::numeric_limits<double>::max();
-      for (int shown = 0; shown < 6; ++shown) {
-        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-          const double squares = squares_[face][static_cast<std::size_t>(shown)][static_cast<std::size_t>(symmetry)];
-          if (squares >= least) continue;
-          least = squares;
-          places[face] = face_place(shown, symmetry);
-        }
-      }
+      const auto* const least = std::ranges::min_element(squares_[face]);
+      places[face] = face_place(static_cast<int>(least - squares_[face].begin()));
     }
     return places;
   }
 
  private:
-  [[nodiscard]] double& at(int face, int shown, int symmetry) {
-    return squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(shown)]
-                   [static_cast<std::size_t>(symmetry)];
-  }
-
   // By the sum of channels, whatever their order.
   static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
                         const FaceMapping& place) {
@@ -158,7 +144,7 @@ class Differences {
     return sum;
   }
 
-  std::array<std::array<std::array<double, kPlaces>, 6>, 6> squares_{};
+  std::array<std::array<double, kPlaces>, 6> squares_{};
 };
 
 /// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
