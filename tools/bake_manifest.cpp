@@ -21,19 +21,13 @@ namespace {
               platform::utf8(path) + ": " + what + " (" + reason + "); pass a folder to -o that you may write to");
 }
 
-void replace_all(std::string& text, const std::string& what, const std::string& with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
-    text.replace(at, what.size(), with);
-  }
-}
-
 /// A remark that names a file or the cache without their folders, as `portable_path` has it, or the input as it is to
 /// be called.
 std::string portable_note(std::string note, const BakeCommandOptions& options) {
   const std::string input = options.input.value_or("");
-  if (!options.called.empty() && !input.empty()) replace_all(note, input, options.called);
+  if (!options.called.empty() && !input.empty()) note = replaced(note, input, options.called);
   for (const std::string& path : {input, options.common.cache, options.directory}) {
-    if (platform::path_of(path).is_absolute()) replace_all(note, path, portable_path(path));
+    if (platform::path_of(path).is_absolute()) note = replaced(note, path, portable_path(path));
   }
   return note;
 }

@@ -200,6 +200,7 @@ std::string did_you_mean(const std::vector<std::string>& near) {
 }
 
 // What shells and man read.
+
 namespace {
 
 bool is_place(const Option& option) { return !option.names.starts_with('-'); }
@@ -219,13 +220,6 @@ Options all_options(const Command& command) {
   Options options = command.options;
   options.insert(options.end(), shared_options().begin(), shared_options().end());
   return options;
-}
-
-std::string replaced(std::string text, std::string_view what, std::string_view with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
-    text.replace(at, what.size(), with);
-  }
-  return text;
 }
 
 std::string command_names(const Program& program) {
@@ -249,6 +243,61 @@ std::string bash_command(const Command& command) {
   }
   if (!values.empty()) text += "      case \"$previous\" in\n" + values + "        *) words=\"$\" ;;\n      esac\n";
   return text + "      options=\"" + joined(options, " ") + "\" ;;\n";
+}
+
+/// In single quotes; a colon or a bracket would end a description.
+std::string zsh_text(const std::string& text) {
+  std::string line = text.substr(0, text.find_first_of(".;"));
+  for (const char c : {'[', ']', ':', '\\', '`', '$'}) std::ranges::replace(line, c, ' ');
+  return replaced(line, "'", "'\\''");
+}
+
+std::string zsh_value(const Option& option) {
+  if (!has_value(option)) return "";
+  const std::string what = zsh_text(option.type.empty() ? option.names : option.words.empty() ? option.type : "word");
+  return ":" + what + ":" + (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")");
+}
+
+std::string zsh_option(const Option& option) {
+  if (is_place(option)) {
+    const bool many = std::holds_alternative<std::vector<std::string>*>(option.target);
+    return std::string(" \\\n            '") + (many ? "*:" : ":") + option.names + ":" +
+           (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")") + "'";
+  }
+  std::string text;
+  for (const std::string& name : names_of(option)) {
+    text += " \\\n            '" + name + "[" + zsh_text(option.text) + "]" + zsh_value(option) + "'";
+  }
+  return text;
+}
+
+/// Hyphens that are to be typed, backslashes, and a full stop at the start of a line, as roff wants them.
+std::string roff(const std::string& text) {
+  std::string escaped = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
+  if (escaped.starts_with('.') || escaped.starts_with('\'')) escaped.insert(0, "\\&");
+  return replaced(replaced(escaped, "\n.", "\n\\&."), "\n'", "\n\\&'");
+}
+
+std::string roff_option(const Option& option) {
+  std::string text = ".TP\n\\fB" + roff(joined(names_of(option), "\\fR, \\fB")) + "\\fR";
+  text = replaced(text, "\\efR", "\\fR");
+  text = replaced(text, "\\efB", "\\fB");
+  // A line may be broken after each word: together they can be longer than one.
+  const std::string words = replaced(roff(option.type), "|", "|\\:");
+  if (has_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
+  return text + '\n' + roff(option.text) + ".\n";
+}
+
+std::string roff_command(const Command& command) {
+  std::string text = ".SH \"WELKIN " + command.name + "\"\n" + roff(command.summary) + ".\n";
+  std::string group;
+  for (const Option& option : all_options(command)) {
+    if (!option.group.empty() && option.group != group) text += ".SS \"" + roff(option.group) + "\"\n";
+    if (!option.group.empty()) group = option.group;
+    text += roff_option(option);
+  }
+  if (!command.notes.empty()) text += ".PP\n.nf\n" + roff(command.notes) + "\n.fi\n";
+  return text;
 }
 
 }  // namespace
@@ -282,36 +331,6 @@ std::string bash_completion(const Program& program) {
          "complete -o bashdefault -o default -F _welkin welkin\n";
 }
 
-namespace {
-
-/// In single quotes; a colon or a bracket would end a description.
-std::string zsh_text(const std::string& text) {
-  std::string line = text.substr(0, text.find_first_of(".;"));
-  for (const char c : {'[', ']', ':', '\\', '`', '$'}) std::ranges::replace(line, c, ' ');
-  return replaced(line, "'", "'\\''");
-}
-
-std::string zsh_value(const Option& option) {
-  if (!has_value(option)) return "";
-  const std::string what = zsh_text(option.type.empty() ? option.names : option.words.empty() ? option.type : "word");
-  return ":" + what + ":" + (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")");
-}
-
-std::string zsh_option(const Option& option) {
-  if (is_place(option)) {
-    const bool many = std::holds_alternative<std::vector<std::string>*>(option.target);
-    return std::string(" \\\n            '") + (many ? "*:" : ":") + option.names + ":" +
-           (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")") + "'";
-  }
-  std::string text;
-  for (const std::string& name : names_of(option)) {
-    text += " \\\n            '" + name + "[" + zsh_text(option.text) + "]" + zsh_value(option) + "'";
-  }
-  return text;
-}
-
-}  // namespace
-
 std::string zsh_completion(const Program& program) {
   std::string commands;
   std::string cases;
@@ -343,39 +362,6 @@ std::string zsh_completion(const Program& program) {
          "}\n"
          "if [ \"$funcstack[1]\" = _welkin ]; then _welkin \"$@\"; else compdef _welkin welkin; fi\n";
 }
-
-namespace {
-
-/// Hyphens that are to be typed, backslashes, and a full stop at the start of a line, as roff wants them.
-std::string roff(const std::string& text) {
-  std::string escaped = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
-  if (escaped.starts_with('.') || escaped.starts_with('\'')) escaped.insert(0, "\\&");
-  return replaced(replaced(escaped, "\n.", "\n\\&."), "\n'", "\n\\&'");
-}
-
-std::string roff_option(const Option& option) {
-  std::string text = ".TP\n\\fB" + roff(joined(names_of(option), "\\fR, \\fB")) + "\\fR";
-  text = replaced(text, "\\efR", "\\fR");
-  text = replaced(text, "\\efB", "\\fB");
-  // A line may be broken after each word: together they can be longer than one.
-  const std::string words = replaced(roff(option.type), "|", "|\\:");
-  if (has_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
-  return text + '\n' + roff(option.text) + ".\n";
-}
-
-std::string roff_command(const Command& command) {
-  std::string text = ".SH \"WELKIN " + command.name + "\"\n" + roff(command.summary) + ".\n";
-  std::string group;
-  for (const Option& option : all_options(command)) {
-    if (!option.group.empty() && option.group != group) text += ".SS \"" + roff(option.group) + "\"\n";
-    if (!option.group.empty()) group = option.group;
-    text += roff_option(option);
-  }
-  if (!command.notes.empty()) text += ".PP\n.nf\n" + roff(command.notes) + "\n.fi\n";
-  return text;
-}
-
-}  // namespace
 
 std::string manual_page(const Program& program) {
   std::string text = ".TH WELKIN 1 \"\" \"Welkin " WELKIN_VERSION_STRING

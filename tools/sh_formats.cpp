@@ -90,13 +90,8 @@ std::string source_lines(const ShReport& report) {
 }
 
 /// The text's lines, each behind `prefix`.
-std::string prefixed(const char* prefix, const std::string& text) {
-  std::string lines = prefix;
-  for (const char c : text) {
-    lines += c;
-    if (c == '\n') lines += prefix;
-  }
-  return lines + '\n';
+std::string prefixed(const std::string& prefix, const std::string& text) {
+  return prefix + replaced(text, "\n", "\n" + prefix) + '\n';
 }
 
 std::string engine_lines(const EngineLight& light) {
@@ -429,19 +424,9 @@ std::string float_constant(double value, const char* suffix = "f") {
 }
 
 /// Nothing in it can end the comment that it stands in.
-std::string in_comment(std::string text) {
-  for (std::size_t i = 0; (i = text.find("*/", i)) != std::string::npos;) text.replace(i, 2, "* /");
-  return text;
-}
+std::string in_comment(const std::string& text) { return replaced(text, "*/", "* /"); }
 
-std::string comment(const std::string& text) {
-  std::string lines = "/* ";
-  for (const char c : in_comment(text)) {
-    lines += c;
-    if (c == '\n') lines += " * ";
-  }
-  return lines + " */\n";
-}
+std::string comment(const std::string& text) { return "/* " + replaced(in_comment(text), "\n", "\n * ") + " */\n"; }
 
 std::string row(const glm::dvec4& value, const std::string& name) {
   return "  {" + float_constant(value.x) + ", " + float_constant(value.y) + ", " + float_constant(value.z) + ", " +
