@@ -56,9 +56,7 @@ Cubemap cubemap_of(const Environment& level, const std::string& named) {
   if (level.face_size() == 0) {
     throw Error(ErrorCode::unsupported_file, printable(named) + ": a chain is a cubemap, and this is a lat-long");
   }
-  return {level.face_size(),
-          {level.pixels.get(),
-           18 * static_cast<std::size_t>(level.face_size()) * static_cast<std::size_t>(level.face_size())}};
+  return {level.face_size(), values_of(level)};
 }
 
 /// Six files a mip, as cmgen writes them: m0_px.hdr, ..., m1_px.hdr, ... The first of each; empty if the folder has

@@ -207,18 +207,23 @@ Source source_of(const std::string& named, const EnvironmentInfo& info) {
           info.notes};
 }
 
+std::span<float> values_of(const Environment& environment) {
+  const auto face = static_cast<std::size_t>(environment.face_size());
+  const std::size_t texels =
+      face > 0 ? 6 * face * face
+               : static_cast<std::size_t>(environment.info.width) * static_cast<std::size_t>(environment.info.height);
+  return {environment.pixels.get(), 3 * texels};
+}
+
 Pixels pixels_of(const Environment& environment) {
-  const float* const values = environment.pixels.get();
-  const auto count = [](int width, int height) {
-    return std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  };
+  const std::span<const float> values = values_of(environment);
   Pixels pixels;
   if (const int size = environment.face_size(); size > 0) {
     pixels.is_cubemap = true;
-    pixels.cubemap = Cubemap(size, {values, 6 * count(size, size)});
+    pixels.cubemap = Cubemap(size, values);
   } else {
     const LatLongView view = environment.lat_long();
-    pixels.lat_long = {view.width, view.height, {values, values + count(view.width, view.height)}};
+    pixels.lat_long = {view.width, view.height, {values.begin(), values.end()}};
   }
   return pixels;
 }

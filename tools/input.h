@@ -126,6 +126,9 @@ struct Pixels {
   [[nodiscard]] std::span<float> values() noexcept { return is_cubemap ? cubemap.pixels() : lat_long.pixels; }
 };
 
+/// All values of what was read.
+[[nodiscard]] std::span<float> values_of(const Environment& environment);
+
 /// A copy of what was read.
 [[nodiscard]] Pixels pixels_of(const Environment& environment);
 

@@ -176,15 +176,6 @@ void tone_map(const ConvertOptions& options, const EnvironmentView& picture, std
   }
 }
 
-/// Returns all texels of what was read.
-std::span<float> values_of(const Environment& source) {
-  const auto face = static_cast<std::size_t>(source.face_size());
-  const std::size_t texels =
-      face > 0 ? 6 * face * face
-               : static_cast<std::size_t>(source.info.width) * static_cast<std::size_t>(source.info.height);
-  return {source.pixels.get(), 3 * texels};
-}
-
 /// Nothing is resampled, or moved, unless something asks for it.
 std::string write_converted(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
