@@ -237,6 +237,16 @@ Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>
   return lights;
 }
 
+/// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
+/// glTF's -x, so indices 3, 4 and 7 have the other sign.
+std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radiance) {
+  std::array<glm::dvec3, 9> coefficients{};
+  const EngineLight light = engine_light(radiance, Engine::gltf);
+  for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = light.terms[k].rgb;
+  for (const std::size_t odd_in_x : {3U, 4U, 7U}) coefficients[odd_in_x] *= -1.0;
+  return coefficients;
+}
+
 Json extension(const Json& content) {
   Json extensions = Json::object();
   extensions[kExtension] = content;
@@ -259,14 +269,6 @@ std::vector<double> gltf_light_roughness(int size, int mips) {
     table.push_back(mip == 0 ? 0.0 : math::exponential(0.5 * std::numbers::ln2 * power));
   }
   return table;
-}
-
-std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radiance) {
-  std::array<glm::dvec3, 9> coefficients{};
-  const EngineLight light = engine_light(radiance, Engine::gltf);
-  for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = light.terms[k].rgb;
-  for (const std::size_t odd_in_x : {3U, 4U, 7U}) coefficients[odd_in_x] *= -1.0;
-  return coefficients;
 }
 
 GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control) {

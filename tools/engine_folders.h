@@ -1,7 +1,6 @@
 // What `--for ENGINE` writes: the files that the engine loads as they are, and the lines of code that load them.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
@@ -51,10 +50,6 @@ inline constexpr const char* kAtlasName = "env_atlas.png";
 /// Roughness of each mip k of n: 0 at mip 0, else alpha = size^(k / (n - 1) - 1), which is where the loader's
 /// `lodGenerationScale` has the shader look. The last one has roughness 1.
 [[nodiscard]] std::vector<double> gltf_light_roughness(int size, int mips);
-
-/// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
-/// glTF's -x, so indices 3, 4 and 7 have the other sign.
-[[nodiscard]] std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radiance);
 
 struct GltfLight {
   std::string bytes;                 ///< the .glb file
