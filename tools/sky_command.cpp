@@ -433,7 +433,7 @@ void settle(SkyOptions& options, const Given& given) {
   }
   options.wants_folder = given("-o");
   options.bake.common = options.sh.common;
-  options.bake.common.json = options.sh.format == ShFormat::json;
+  options.bake.common.json = options.sh.format == sh_json;
   options.bake.orientation.to = options.sh.orientation.to;
   options.bake.bake.bands = options.sh.projection.bands;
   options.bake.picture_name = "sky.exr";
@@ -523,7 +523,7 @@ std::string answer(const SkyOptions& options, const Control& control) {
   }
   if (!options.sweep.path.empty()) return write_sweep(options.sky, options.sweep, control);
   if (options.wants_folder) return bake_sky(options, control);
-  return sh_formatted(measure_sky(options, control), options.sh.format);
+  return options.sh.format(measure_sky(options, control));
 }
 
 void run(SkyOptions& options, const Given& given) {
@@ -531,8 +531,7 @@ void run(SkyOptions& options, const Given& given) {
   const std::string text =
       with_bar(options.sh.common, [&](const Control& control) { return answer(options, control); });
   const bool to_files = options.wants_folder || !options.sweep.path.empty();
-  to_files&& options.sh.format != ShFormat::json && !options.print_atmosphere ? print_summary(text)
-                                                                              : print_result(text);
+  to_files&& options.sh.format != sh_json && !options.print_atmosphere ? print_summary(text) : print_result(text);
 }
 
 }  // namespace
