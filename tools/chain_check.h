@@ -1,5 +1,5 @@
-// What any maker has made against its source. Of a chain: how its faces lie, its scale, the roughness of each mip, and
-// the errors; of spherical harmonics: their form, and the factor of each band.
+// Light of any maker against its source. Of a chain: how its faces lie, its scale, the roughness of each mip, and the
+// errors; of spherical harmonics: their form, and the factor of each band.
 #pragma once
 
 #include <array>

@@ -199,7 +199,7 @@ std::string did_you_mean(const std::vector<std::string>& near) {
   return near.empty() ? "" : text + '?';
 }
 
-// What shells and man read.
+// Completions for shells, and the manual page.
 
 namespace {
 

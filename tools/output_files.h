@@ -79,8 +79,8 @@ struct OutputFile {
   int levels = 0;      ///< the first ones of the content's; 0: all
 };
 
-/// What becomes of values that the file does not hold, for a person. What a float cannot hold does not come out of a
-/// bake: PFM clamps nothing.
+/// Returns words for what becomes of values that the file does not hold. A bake gives none that a float does not hold:
+/// PFM clamps nothing.
 [[nodiscard]] const char* range_of(const OutputFile& file) noexcept;
 
 /// The names in the folder: its own or, of a container that holds one level of this content, one a level.

@@ -95,7 +95,7 @@ void check_output(const OutputOptions& options, bool cubemap) {
   }
 }
 
-/// What a file of the picture holds.
+/// Returns words for the content of a file of the picture.
 std::string words_of(const EnvironmentView& picture, Layout layout) {
   if (picture.kind() == EnvironmentKind::lat_long) {
     const LatLongView whole = picture.lat_long();
@@ -252,10 +252,10 @@ void run_convert(ConvertOptions& options) {
 constexpr int kFaceSize = 512;
 constexpr int kLatLongWidth = 2048;
 
-struct TestmapOptions {
+struct DrawingOptions {
   CommonOptions common;
   OutputOptions output;
-  OrientationOptions orientation;  ///< its `to` alone
+  OrientationOptions orientation;  ///< of the test map, its `to` alone
 };
 
 constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
@@ -278,7 +278,7 @@ std::string draw_and_write(const CommonOptions& common, const OutputOptions& out
   return write_output(output, draw(part_of(control, 0.0, kDrawn)).view(), part_of(control, kDrawn, 1.0));
 }
 
-std::string draw_testmap(const TestmapOptions& options, const Control& control) {
+std::string draw_testmap(const DrawingOptions& options, const Control& control) {
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
   const int size = output.size > 0 ? output.size : cubemap ? kFaceSize : kLatLongWidth;
@@ -299,12 +299,7 @@ std::string new_file(const std::string& name) {
   throw Error(ErrorCode::file_access, name + ": is there already; '-o " + name + "' replaces it, or name another file");
 }
 
-struct SampleOptions {
-  CommonOptions common;
-  OutputOptions output;
-};
-
-std::string draw_sample(const SampleOptions& options, const Control& control) {
+std::string draw_sample(const DrawingOptions& options, const Control& control) {
   constexpr int kWidth = 1024;
   const int width = options.output.size > 0 ? options.output.size : kWidth;
   return draw_and_write(options.common, options.output, false, width, control,
@@ -345,7 +340,7 @@ Command convert_command() {
 }
 
 Command testmap_command() {
-  const auto options = std::make_shared<TestmapOptions>();
+  const auto options = std::make_shared<DrawingOptions>();
   Command command{"testmap", "Make an environment that shows its orientation", embedded_text("help/testmap.txt")};
   Options& table = command.options;
   add_option(table, "-o,--output", &options->output.path, "OUT",
@@ -368,7 +363,7 @@ Command testmap_command() {
 }
 
 Command sample_command() {
-  const auto options = std::make_shared<SampleOptions>();
+  const auto options = std::make_shared<DrawingOptions>();
   Command command{"sample", "Make an environment to try the other commands with", embedded_text("help/sample.txt")};
   Options& table = command.options;
   add_option(table, "-o,--output", &options->output.path, "OUT",
