@@ -131,6 +131,7 @@ void add_option(CLI::App& command, const Option& option) {
   if (!option.group.empty()) added.group(option.group);
   if (option.required) added.required();
   if (!option.environment.empty()) added.envname(option.environment);
+  if (option.named != nullptr) added.each([named = option.named](const std::string& /*value*/) { *named = true; });
 }
 
 void add_options(CLI::App& command, const Options& table) {

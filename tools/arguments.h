@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -73,6 +74,7 @@ struct Option {
   std::vector<std::string> needs{};     ///< options without which this one is refused
   std::vector<std::string> excludes{};  ///< options together with which it is
   std::string group{};                  ///< its heading in --help
+  bool* named = nullptr;                ///< is made true if the option is there with its value
 };
 
 using Options = std::vector<Option>;
@@ -109,6 +111,14 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
     }
   };
   return {.names = name, .target = On<std::string>(store), .text = text, .type = alternatives(words), .words = words};
+}
+
+/// Values by their own names, for `choice`.
+template <typename Value>
+std::vector<std::pair<std::string, Value>> by_name(std::initializer_list<Value> values) {
+  std::vector<std::pair<std::string, Value>> choices;
+  for (const Value value : values) choices.emplace_back(name(value), value);
+  return choices;
 }
 
 /// The number that the text states, or nothing if it is not a number.

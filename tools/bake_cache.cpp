@@ -56,20 +56,9 @@ bool is_plain_name(std::string_view name) {
 
 namespace {
 
-struct IndexedFile {
-  WrittenFile about;
-  ContentHash hash;
-};
-
-struct Index {
-  std::vector<IndexedFile> files;
-  std::string manifest;
-  BakeWords words;
-};
-
 /// Throws `Flaw`.
-IndexedFile indexed_file(const Json& value, const std::string& where) {
-  IndexedFile file;
+KeptBake::File indexed_file(const Json& value, const std::string& where) {
+  KeptBake::File file;
   std::string hash;
   double bytes = 0.0;
   read_object(
@@ -83,9 +72,9 @@ IndexedFile indexed_file(const Json& value, const std::string& where) {
   return file;
 }
 
-/// Throws `Flaw`.
-Index index_in(std::string_view bytes) {
-  Index index;
+/// The bake without the files' contents. Throws `Flaw`.
+KeptBake index_in(std::string_view bytes) {
+  KeptBake index;
   const auto add_file = [&](const Json& value, const std::string& where) {
     index.files.push_back(indexed_file(value, where));
   };
@@ -146,18 +135,17 @@ std::optional<KeptBake> BakeFolderCache::find() {
   const auto bytes = cache_->find_bytes(key_, kMaxIndexBytes);
   if (!bytes) return std::nullopt;
   try {
-    const Index index = index_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-    KeptBake kept{{}, {}, index.words};
+    KeptBake kept = index_in({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
     std::uint64_t all = 0;
-    for (const IndexedFile& file : index.files) {
+    for (KeptBake::File& file : kept.files) {
       all += file.about.bytes;
       if (all > options_.common.read.memory_limit_bytes) return std::nullopt;
       auto contents = cache_->find_bytes(file.hash, file.about.bytes);
       if (!contents || hash_bytes(contents->data(), contents->size()) != file.hash) return std::nullopt;
-      kept.files.push_back({file.about, std::move(*contents)});
+      file.contents = std::move(*contents);
     }
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    kept.manifest = with_own_times(index.manifest, took.count());
+    kept.manifest = with_own_times(kept.manifest, took.count());
     return kept;
   } catch (const Flaw&) {  // no index that this version writes
     return std::nullopt;
@@ -175,10 +163,11 @@ void BakeFolderCache::keep(const OutputFolder& folder, const std::string& manife
     cache_->keep_bytes(hash, bytes);
     files.push_back({{"name", file.name}, {"format", file.format}, {"bytes", bytes.size()}, {"hash", hash.text()}});
   }
-  Json list = Json::array();
-  for (const std::string& note : words.notes) list.push_back(note);
-  const Json index = {
-      {"files", files}, {"manifest", manifest}, {"source", words.source}, {"results", words.results}, {"notes", list}};
+  const Json index = {{"files", files},
+                      {"manifest", manifest},
+                      {"source", words.source},
+                      {"results", words.results},
+                      {"notes", words.notes}};
   const std::string text = index.one_line();
   cache_->keep_bytes(key_, std::as_bytes(std::span(text)));
   const CacheStatistics statistics = cache_->statistics();

@@ -24,8 +24,9 @@ struct BakeWords {
 /// A bake that was made before.
 struct KeptBake {
   struct File {
-    WrittenFile about;  ///< name, format and bytes
-    std::vector<std::byte> contents;
+    WrittenFile about{};  ///< name, format and bytes
+    ContentHash hash{};
+    std::vector<std::byte> contents{};
   };
   std::vector<File> files;  ///< without the manifest
   std::string manifest;     ///< with the times of this run

@@ -17,7 +17,6 @@
 #include "tools/bake_manifest.h"
 #include "tools/commands.h"
 #include "tools/engine_folders.h"
-#include "tools/preview_page.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"

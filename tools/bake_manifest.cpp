@@ -21,27 +21,19 @@ namespace {
               platform::utf8(path) + ": " + what + " (" + reason + "); pass a folder to -o that you may write to");
 }
 
-void replace_all(std::string& text, const std::string& what, const std::string& with) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
-    text.replace(at, what.size(), with);
-  }
-}
-
 /// A remark that names a file or the cache without their folders, as `portable_path` has it, or the input as it is to
 /// be called.
 std::string portable_note(std::string note, const BakeCommandOptions& options) {
   const std::string input = options.input.value_or("");
-  if (!options.called.empty() && !input.empty()) replace_all(note, input, options.called);
+  if (!options.called.empty() && !input.empty()) note = replaced(note, input, options.called);
   for (const std::string& path : {input, options.common.cache, options.directory}) {
-    if (platform::path_of(path).is_absolute()) replace_all(note, path, portable_path(path));
+    if (platform::path_of(path).is_absolute()) note = replaced(note, path, portable_path(path));
   }
   return note;
 }
 
 Json notes_json(const std::vector<std::string>& notes, const BakeCommandOptions& options) {
-  Json list = Json::array();
-  for (const std::string& note : notes) list.push_back(portable_note(note, options));
-  return list;
+  return json_list(notes, [&](const std::string& note) { return portable_note(note, options); });
 }
 
 Json source_json(const Source& source, const BakeCommandOptions& options) {
@@ -115,7 +107,7 @@ Json made_json(const MipRecord& mip) {
           {"method", name(mip.method)},
           {"bands", mip.bands},
           {"bright_texels", mip.bright_texels},
-          {"error_estimate", mip.error_estimate ? Json(*mip.error_estimate) : Json(nullptr)},
+          {"error_estimate", mip.error_estimate},
           {"mean", json_triple(mip.mean)}};
 }
 
@@ -124,7 +116,7 @@ Json mip_json(const MipRecord& mip, std::size_t number) {
                {"roughness", mip.roughness},
                {"alpha", mip.roughness * mip.roughness},
                {"lobe_roughness", mip.lobe_roughness},
-               {"error_between", mip.error_between ? Json(*mip.error_between) : Json(nullptr)}};
+               {"error_between", mip.error_between}};
   const Json made = made_json(mip);
   for (const auto& [key, value] : made.members()) json[key] = value;
   return json;
@@ -199,14 +191,15 @@ void check_output_folder(const std::filesystem::path& path) {
   if (!reason.empty()) fail_folder(path, "cannot be written to", reason);
 }
 
-OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control)
+OutputFolder::OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control,
+                           const FileSet& set)
     : path_(std::move(path)) {
   std::error_code trouble;
   std::filesystem::create_directories(path_, trouble);
   if (trouble) fail_folder(path_, "cannot be created", trouble.message());
   check_output_folder(path_);
   wait_for_others(control);
-  own_.emplace(path_, kBakeFiles);
+  own_.emplace(path_, set);
   own_->begin(names);
 }
 
@@ -235,6 +228,11 @@ void OutputFolder::add(WrittenFile file) {
   const auto bytes = std::filesystem::file_size(place(file.name), unknown);
   file.bytes = unknown ? 0 : static_cast<std::uint64_t>(bytes);
   files_.push_back(std::move(file));
+}
+
+void OutputFolder::write(WrittenFile file, const std::string& text) {
+  write_text_file(place(file.name), text);
+  add(std::move(file));
 }
 
 void OutputFolder::add_in_front(std::vector<WrittenFile> files) {
@@ -285,13 +283,11 @@ std::vector<std::string> bake_notes(const Baked& baked, const BakeCommandOptions
 
 std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options, const OutputFolder& folder,
                           const ToneMap& tone_map) {
-  Json files = Json::array();
-  for (const WrittenFile& file : folder.files()) files.push_back(file_json(file));
   Json json = {{"welkin", WELKIN_VERSION_STRING},
                {"source", source_json(baked.source, options)},
                {"axes", axes_json(options)},
                {"options", options_json(baked, options)},
-               {"files", files},
+               {"files", json_list(folder.files(), file_json)},
                {"specular", baked.light.specular ? mips_json(baked.light.specular->mips) : Json::array()}};
   if (const auto& irradiance = baked.light.irradiance_record) json["irradiance"] = made_json(*irradiance);
   if (!baked.env_mips.empty()) json["environment_" + baked.env_container] = mips_json(baked.env_mips);

@@ -22,14 +22,17 @@ struct WrittenFile {
   std::string name;    ///< in the folder
   std::string what;    ///< "specular", "irradiance", ...
   std::string format;  ///< for a person: "KTX2 rgba16f"
-  std::uint64_t bytes = 0;
+  Json details{};      ///< more members for the manifest: sizes, roughness, axes
   std::uint64_t values_clamped = 0;
-  std::string range;           ///< words for the range that they were clamped to; empty if the format holds every value
-  Json details;                ///< more members for the manifest: sizes, roughness, axes
+  std::string range{};         ///< words for the range that they were clamped to; empty if the format holds every value
   std::string caution{};       ///< what else its format costs, if a person should know
   double share_clamped = 0.0;  ///< of all light, that the clamped values lost
   std::string remedy{};        ///< what keeps that light
+  std::uint64_t bytes = 0;
 };
+
+inline constexpr const char* kManifestName = "manifest.json";
+inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
 
 /// Throws `Error` (file_access) if it can be seen in advance that the folder cannot be made or written to.
 void check_output_folder(const std::filesystem::path& path);
@@ -40,9 +43,10 @@ class OutputFolder {
  public:
   /// Makes the folder, and those above it, and waits until other bakes have left it. Takes away the manifest of an
   /// earlier bake: until this one's is written, as the last file, nobody shall take the folder for a finished one.
-  /// `names`: of all files that may be written. Throws `Error`: file_access if that cannot be done or as
-  /// `OwnFiles::require`; cancelled if `control` says so while it waits.
-  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control);
+  /// `names`: of all files that may be written; `set`: of what they are. Throws `Error`: file_access if that cannot be
+  /// done or as `OwnFiles::require`; cancelled if `control` says so while it waits.
+  OutputFolder(std::filesystem::path path, const std::vector<std::string>& names, const Control& control,
+               const FileSet& set = kBakeFiles);
 
   /// Writes the manifest, which makes the folder a finished one, and removes what an earlier bake wrote and this one
   /// did not, but nothing that it `read`. Returns remarks for a person about such files.
@@ -55,6 +59,8 @@ class OutputFolder {
 
   /// Notes a file that is written; its size is looked up.
   void add(WrittenFile file);
+  /// Writes a file of text, and notes it.
+  void write(WrittenFile file, const std::string& text);
   /// The same of several, before those that are noted.
   void add_in_front(std::vector<WrittenFile> files);
 
@@ -70,9 +76,6 @@ class OutputFolder {
   std::vector<WrittenFile> files_;
 };
 
-inline constexpr const char* kManifestName = "manifest.json";
-inline constexpr FileSet kBakeFiles{"bake", kManifestName, is_bake_name};
-
 /// manifest.json, and what `welkin bake --json` prints. Members are only ever added: programs read this.
 [[nodiscard]] std::string bake_manifest(const Baked& baked, const BakeCommandOptions& options,
                                         const OutputFolder& folder, const ToneMap& tone_map);
@@ -87,6 +90,16 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
 
 /// Of the previews: as --exposure has it, else by the environment, of which a few mips below the top tell enough.
 [[nodiscard]] ToneMap tone_map_of(const Baked& baked, const BakeCommandOptions& options);
+
+inline constexpr const char* kPreviewPage = "preview.html";
+
+/// Writes preview.html into a folder: one file that needs no other and no network, for browsers with WebGL 2. It shades
+/// by the split sum from what it holds of the bake: mips of the specular chain from 128 texels down, a sharp
+/// environment of at most 256, irradiance and the BRDF table, colours with shared exponents (within 0.4 % of the
+/// brightest channel). With an environment of 256 it takes 3 MB. `light` is in Welkin's axes and must have its specular
+/// chain. Throws `Error`: file_access, cancelled.
+void write_preview_page(const BakeResult& light, const ToneMap& tone_map, const std::filesystem::path& file,
+                        const Control& control = {});
 
 /// What its channels are, for the manifest.
 [[nodiscard]] std::vector<std::string> brdf_channels(const BrdfTableOptions& options);

@@ -113,7 +113,6 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   words.reserve(kContainers.size());
   for (const Container container : kContainers) words.emplace_back(name(container));
   const auto store = [&options](const std::vector<std::string>& chosen) {
-    options.containers_named = true;
     options.containers.clear();
     for (const Container container : kContainers) {
       for (const std::string& word : chosen) {
@@ -124,28 +123,14 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--formats", On<std::vector<std::string>>(store), "LIST",
              "Formats of cubemaps: ktx2, dds, exr, hdr, pfm, env, ktx, separated by commas; default ktx2, or by --for: "
              "what that engine loads",
-             {.words = words, .list = List::commas});
-  Option formats = choice<TexelFormat>(
-      "--ktx2-format", options.texture.format,
-      {{"rgba16f", TexelFormat::rgba16f},
-       {"rgba32f", TexelFormat::rgba32f},
-       {"b10g11r11", TexelFormat::b10g11r11},
-       {"e5b9g9r9", TexelFormat::e5b9g9r9},
-       {"bc6h", TexelFormat::bc6h_ufloat},
-       {"bc6h-signed", TexelFormat::bc6h_sfloat},
-       {"astc4x4", TexelFormat::astc_4x4_hdr},
-       {"astc6x6", TexelFormat::astc_6x6_hdr},
-       {"uastc-hdr", TexelFormat::uastc_hdr_4x4}},
+             {.words = words, .list = List::commas, .named = &options.containers_named});
+  table.push_back(choice<TexelFormat>(
+      "--ktx2-format", options.texture.format, texel_formats(),
       "The texel format of .ktx2 files, with 8 (default), 16, 4 or 4 bytes per texel; or blocks of "
       "BC6H, ASTC or UASTC HDR (for the web) with 1 byte per texel, or 4/9 (astc6x6). DDS and OpenEXR "
       "hold half floats, or "
-      "floats with rgba32f; DDS also bc6h; KTX all but ASTC and UASTC HDR. Irradiance is never compressed");
-  formats.target =
-      On<std::string>([&options, store = std::get<On<std::string>>(formats.target)](const std::string& word) {
-        store(word);
-        options.format_named = true;
-      });
-  table.push_back(std::move(formats));
+      "floats with rgba32f; DDS also bc6h; KTX all but ASTC and UASTC HDR. Irradiance is never compressed"));
+  table.back().named = &options.format_named;
   table.push_back(
       choice<Bc6hEffort>("--bc6h-effort", options.texture.bc6h_effort,
                          {{"fast", Bc6hEffort::fast}, {"normal", Bc6hEffort::normal}, {"slow", Bc6hEffort::slow}},
@@ -177,13 +162,10 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
-  const auto set_size = [&options](int size) {
-    options.specular.size = size;
-    options.size_named = true;
-  };
-  add_option(table, "--size", On<int>(set_size), "N",
-             "Texels per edge of the specular cubemap; default " + std::to_string(options.specular.size) + "",
-             {.bounds = whole_between(1, kLargestFace)});
+  table.push_back(
+      size_option("--size", options.specular.size, 1, kLargestFace,
+                  "Texels per edge of the specular cubemap; default " + std::to_string(options.specular.size)));
+  table.back().named = &options.size_named;
   table.push_back(size_option("--background-size", options.background_size, 0, kLargestFace,
                               "Texels per edge of the background cubemap; 0: as --size; default " +
                                   std::to_string(options.background_size) +
@@ -207,14 +189,11 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
       "mips up as before. Default on with --for (except three) and for .env, else off"));
   table.push_back(choice<PrefilterMethod>(
       "--method", options.specular.method,
-      {{"automatic", PrefilterMethod::automatic},
-       {"spectral", PrefilterMethod::spectral},
-       {"reference", PrefilterMethod::reference}},
+      by_name({PrefilterMethod::automatic, PrefilterMethod::spectral, PrefilterMethod::reference}),
       "How to prefilter: automatic (default: the fastest method within the error bounds), spectral, or reference (the "
       "integral, slow)"));
   table.push_back(choice<Quality>(
-      "--quality", options.quality,
-      {{"fast", Quality::fast}, {"normal", Quality::normal}, {"reference", Quality::reference}},
+      "--quality", options.quality, by_name({Quality::fast, Quality::normal, Quality::reference}),
       "Accuracy of reflections and irradiance: fast (--rms-error 1e-2), normal (1e-3, the default), or reference (the "
       "integrals, which takes minutes). --rms-error overrides it"));
   add_option(table, "--rms-error", &options.rms_error, "ERROR",
@@ -284,27 +263,16 @@ void add_diffuse_options(Options& table, BakeCommandOptions& options) {
                                "Method of the irradiance cubemap: within --rms-error of the integral (automatic, the "
                                "default), the integral (direct, slow), or from --bands of harmonics, as in shaders"));
   add_option(table, "--no-brdf", &options.no_brdf, "", "Write no BRDF table");
-  add_option(table, "--brdf", On<int>([&options](int size) {
-               options.brdf.width = options.brdf.height = size;
-               options.brdf_named = true;
-             }),
-             "N", "Texels per edge of the BRDF table; default 64",
-             {.bounds = whole_between(1, kLargestTable), .excludes = {"--no-brdf"}});
-  Option model = choice<BrdfModel>(
+  add_option(table, "--brdf", On<int>([&options](int size) { options.brdf.width = options.brdf.height = size; }), "N",
+             "Texels per edge of the BRDF table; default 64",
+             {.bounds = whole_between(1, kLargestTable), .excludes = {"--no-brdf"}, .named = &options.brdf_named});
+  table.push_back(choice<BrdfModel>(
       "--brdf-model", options.brdf.model,
       {{"split-sum", BrdfModel::split_sum}, {"multiple-scattering", BrdfModel::multiple_scattering}},
-      "Contents of the BRDF table: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering");
-  model.target = On<std::string>([&options, store = std::get<On<std::string>>(model.target)](const std::string& word) {
-    store(word);
-    options.brdf_named = true;
-  });
-  model.excludes = {"--no-brdf"};
-  table.push_back(std::move(model));
+      "Contents of the BRDF table: (scale, bias) of f0 (default), or Filament's DFG with multiple scattering"));
+  table.back().excludes = {"--no-brdf"};
+  table.back().named = &options.brdf_named;
 }
-
-}  // namespace
-
-namespace {
 
 bool is_by_fifths(const BakeCommandOptions& options) noexcept {
   return looks_up_fifths(options) && !options.roughness.schedule && options.roughness.table.empty();

@@ -12,7 +12,6 @@
 #include "tools/arguments.h"
 #include "tools/input.h"
 #include "tools/json.h"
-#include "tools/orientation.h"
 #include "tools/output_files.h"
 #include "tools/sky_model.h"
 #include "welkin/bake.h"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -13,8 +12,6 @@
 #include "tools/bake_manifest.h"
 #include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
-#include "tools/playcanvas_atlas.h"
-#include "tools/preview_page.h"
 #include "tools/sh_command.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -53,30 +50,8 @@ Json details_of(const Subject& cubemap, const Job& job) {
   return details;
 }
 
-std::string range_of(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::rgba16f: return "beyond +-65504, the range of half floats, clamped";
-    case TexelFormat::rgba32f: return "that are not finite replaced";
-    case TexelFormat::b10g11r11: return "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there";
-    case TexelFormat::bc6h_ufloat: return "below 0 or above 65504 clamped: unsigned BC6H ends there";
-    case TexelFormat::bc6h_sfloat: return "beyond +-65504 clamped: BC6H ends there";
-    case TexelFormat::astc_4x4_hdr:
-    case TexelFormat::astc_6x6_hdr:
-    case TexelFormat::uastc_hdr_4x4: return "below 0 or above 65504 clamped: ASTC ends there";
-    case TexelFormat::e5b9g9r9: break;
-  }
-  return "below 0 or above 65408 clamped: e5b9g9r9 ends there";
-}
-
-/// The value above which the format clamps.
-glm::dvec3 largest_of(TexelFormat format) {
-  switch (format) {
-    case TexelFormat::b10g11r11: return {65024.0, 65024.0, 64512.0};
-    case TexelFormat::e5b9g9r9: return glm::dvec3(65408.0);
-    case TexelFormat::rgba32f: return glm::dvec3(std::numeric_limits<float>::max());
-    default: break;
-  }
-  return glm::dvec3(65504.0);
+Json details_of(const LatLongImage& picture) {
+  return {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}};
 }
 
 constexpr const char* kWithoutSun = "--extract-sun makes the sun a separate light";
@@ -90,15 +65,6 @@ std::string remedy_for(const OutputFile& file, const BakeCommandOptions& options
   const std::string floats = holds_floats && may_choose ? "--ktx2-format rgba32f keeps it" : "";
   if (!options.input || options.sun.take_out) return floats;
   return floats + (floats.empty() ? "" : ", ") + kWithoutSun;
-}
-
-/// What a float cannot hold does not come out of a bake: PFM clamps nothing.
-std::string range_of(Container container) {
-  switch (container) {
-    case Container::exr: return range_of(TexelFormat::rgba16f);
-    case Container::hdr: return "below 0 or above 1.69e38 clamped: RGBE ends there";
-    default: return "";
-  }
 }
 
 TextureOptions texture_options(const OutputFile& file, const Subject& cubemap, const Job& job) {
@@ -145,22 +111,26 @@ std::string format_text(const OutputFile& file) {
   return text;
 }
 
+/// Notes how much light a format's limit takes from a picture or the first level of a chain, and what keeps it.
+template <class View>
+WrittenFile with_loss(WrittenFile file, const View& view, const glm::dvec3& largest, std::string remedy) {
+  if (file.values_clamped == 0) return file;
+  file.share_clamped = share_beyond(view, largest);
+  file.remedy = std::move(remedy);
+  return file;
+}
+
 void write_texture_file(const OutputFile& file, const Subject& cubemap, const Job& job) {
   const TextureOptions options = texture_options(file, cubemap, job);
   const WriteReport report = write_texture(job.folder.place(file.name), cubemap.mips, options, {job.control.stop, {}});
-  WrittenFile written{file.name,
-                      cubemap.what,
-                      format_text(file),
-                      0,
-                      report.values_clamped,
-                      range_of(options.format),
-                      details_of(cubemap, job),
-                      caution_of(options.format, cubemap, job.options)};
-  if (report.values_clamped > 0) {
-    written.share_clamped = share_beyond(cubemap.mips.front(), largest_of(options.format));
-    written.remedy = remedy_for(file, job.options);
-  }
-  job.folder.add(std::move(written));
+  const WrittenFile written{file.name,
+                            cubemap.what,
+                            format_text(file),
+                            details_of(cubemap, job),
+                            report.values_clamped,
+                            range_of(file),
+                            caution_of(options.format, cubemap, job.options)};
+  job.folder.add(with_loss(written, cubemap.mips.front(), largest_of(options.format), remedy_for(file, job.options)));
 }
 
 /// .hdr and .pfm know no mips: a vertical strip for each.
@@ -175,8 +145,8 @@ void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job
     if (!cubemap.roughness.empty()) details["roughness"] = cubemap.roughness[mip];
     details["unit"] = cubemap.unit;
     details["axes"] = convention(job.options.orientation.to).name;
-    job.folder.add({names[mip], cubemap.what, file.container == Container::hdr ? "Radiance RGBE" : "PFM", 0,
-                    report.values_clamped, range_of(file.container), details});
+    job.folder.add({names[mip], cubemap.what, file.container == Container::hdr ? "Radiance RGBE" : "PFM", details,
+                    report.values_clamped, range_of(file)});
   }
 }
 
@@ -214,27 +184,18 @@ void write_lat_longs(const LatLongImage& picture, const Job& job) {
                                : is_exr                           ? "OpenEXR half"
                                : file.container == Container::hdr ? "Radiance RGBE"
                                                                   : "PFM";
-    WrittenFile written{file.name,
-                        "the environment as a lat-long",
-                        format,
-                        0,
-                        report.values_clamped,
-                        is_exr ? range_of(file.format) : range_of(file.container),
-                        {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}};
-    if (is_exr && report.values_clamped > 0) {
-      written.share_clamped = share_beyond(picture.view(), largest_of(file.format));
-      written.remedy = remedy_for(file, job.options);
-    }
-    job.folder.add(std::move(written));
+    const WrittenFile written{file.name,           "the environment as a lat-long", format,
+                              details_of(picture), report.values_clamped,           range_of(file)};
+    job.folder.add(is_exr ? with_loss(written, picture.view(), largest_of(file.format), remedy_for(file, job.options))
+                          : written);
   }
 }
 
 /// A stage of OpenUSD for each that is asked for, with the lat-long beside it.
 void write_usd_stages(const Job& job) {
   for (const OutputFile& file : files_with(Content::usd_stage, job.options.files)) {
-    write_text_file(job.folder.place(file.name),
-                    usd_stage(files_with(Content::lat_long, job.options.files).front().name));
-    job.folder.add({file.name, "a dome light with the lat-long", "OpenUSD text", 0, 0, "", Json()});
+    job.folder.write({file.name, "a dome light with the lat-long", "OpenUSD text"},
+                     usd_stage(files_with(Content::lat_long, job.options.files).front().name));
   }
 }
 
@@ -263,23 +224,19 @@ void write_playcanvas(const BakeResult& light, const Job& job) {
         light.specular->mips.back().roughness >= 1.0 && diffuse.size > chain.level_size(chain.levels() - 1);
     const PlayCanvasAtlas atlas = playcanvas_atlas(chain, diffuse, is_finer, job.control);
     const std::vector<std::uint8_t> png = files::encode_png_rgba(atlas.rgba, atlas.size, job.control.stop);
-    write_text_file(job.folder.place(file.name), {png.begin(), png.end()});
-    WrittenFile written{file.name,
-                        "PlayCanvas' envAtlas: reflections and diffuse light",
-                        "PNG, RGBP",
-                        0,
-                        atlas.values_clamped,
-                        "above 64 or below 0, the range of RGBP, clamped",
-                        {{"size", atlas.size}, {"roughness", roughness_of(*light.specular)}, {"axes", "playcanvas"}}};
-    if (atlas.values_clamped > 0) {
-      written.share_clamped = share_beyond(chain.view(0), glm::dvec3(kLargestRgbp));
-      if (job.options.input && !job.options.sun.take_out) written.remedy = kWithoutSun;
-    }
-    job.folder.add(std::move(written));
+    const WrittenFile written{
+        file.name,
+        "PlayCanvas' envAtlas: reflections and diffuse light",
+        "PNG, RGBP",
+        {{"size", atlas.size}, {"roughness", roughness_of(*light.specular)}, {"axes", "playcanvas"}},
+        atlas.values_clamped,
+        "above 64 or below 0, the range of RGBP, clamped"};
+    const bool may_take_sun_out = job.options.input && !job.options.sun.take_out;
+    job.folder.write(with_loss(written, chain.view(0), glm::dvec3(kLargestRgbp), may_take_sun_out ? kWithoutSun : ""),
+                     {png.begin(), png.end()});
   }
   for (const OutputFile& file : files_with(Content::playcanvas_asset, job.options.files)) {
-    write_text_file(job.folder.place(file.name), playcanvas_asset(kAtlasName));
-    job.folder.add({file.name, "the asset that loads the atlas", "JSON", 0, 0, "", Json()});
+    job.folder.write({file.name, "the asset that loads the atlas", "JSON"}, playcanvas_asset(kAtlasName));
   }
 }
 
@@ -288,8 +245,8 @@ void write_readme(const Job& job) {
   for (const OutputFile& file : files_with(Content::readme, job.options.files)) {
     std::vector<std::string> written;
     for (const WrittenFile& each : job.folder.files()) written.push_back(each.name);
-    write_text_file(job.folder.place(file.name), readme_text(job.options.orientation.to, written));
-    job.folder.add({file.name, "how the engine loads the files", "Markdown", 0, 0, "", Json()});
+    job.folder.write({file.name, "how the engine loads the files", "Markdown"},
+                     readme_text(job.options.orientation.to, written));
   }
 }
 
@@ -300,13 +257,7 @@ void write_computed(const LatLongImage& picture, const Job& job) {
   options.type = SampleType::float32;
   const std::string& file = job.options.picture_name;
   write_environment(job.folder.place(file), picture.view(), options, {job.control.stop, {}});
-  job.folder.add({file,
-                  "the source as a lat-long",
-                  "OpenEXR float",
-                  0,
-                  0,
-                  "",
-                  {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}}});
+  job.folder.add({file, "the source as a lat-long", "OpenEXR float", details_of(picture)});
 }
 
 void turn_to_engine(BakeResult& light, const glm::dmat3& symmetry, const Control& control) {
@@ -332,7 +283,7 @@ void write_octahedral_maps(const BakeResult& light, const Job& job) {
                           {"roughness", roughness}, {"unit", "radiance"},   {"axes", "welkin"}};
     for (const std::filesystem::path& path : report.files) {
       job.folder.add({platform::utf8(path.filename()), "the specular cubemap as an octahedral map", format_text(file),
-                      0, report.values_clamped, range_of(texture.format), details});
+                      details, report.values_clamped, range_of(file)});
     }
   }
 }
@@ -361,7 +312,7 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
       WriteOptions write;
       write.layout = Layout::lat_long;  // a plain picture, to a PFM
       write_environment(folder.place(file.name), picture.view(), write, {control.stop, {}});
-      folder.add({file.name, kWhat, "PFM", 0, 0, "", details});
+      folder.add({file.name, kWhat, "PFM", details});
       continue;
     }
     TextureOptions texture;
@@ -370,14 +321,8 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
     if (file.container == Container::ktx2) texture.metadata = {{"welkin.content", name(file.content)}};
     write_texture_2d(folder.place(file.name), picture.width, picture.height, picture.pixels.data(), texture,
                      {control.stop, {}});
-    folder.add({file.name, kWhat, format_text(file), 0, 0, "", details});
+    folder.add({file.name, kWhat, format_text(file), details});
   }
-}
-
-Json roughness_json(const std::vector<MipRecord>& mips) {
-  Json list = Json::array();
-  for (const MipRecord& mip : mips) list.push_back(mip.roughness);
-  return list;
 }
 
 constexpr const char* kRangeOfRgbd = "above 255 or below 0, the range of RGBD, clamped";
@@ -393,11 +338,9 @@ const SphericalHarmonics& rgbd_radiance(const Baked& baked) {
   return baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
 }
 
-WrittenFile rgbd_file(WrittenFile file, const Baked& baked) {
-  if (file.values_clamped == 0) return file;
-  file.share_clamped = share_beyond(rgbd_chain(baked).cubemap.view(0), glm::dvec3(kLargestRgbd));
-  if (!baked.sun_wanted) file.remedy = kWithoutSun;
-  return file;
+WrittenFile rgbd_file(const WrittenFile& file, const Baked& baked) {
+  return with_loss(file, rgbd_chain(baked).cubemap.view(0), glm::dvec3(kLargestRgbd),
+                   baked.sun_wanted ? "" : kWithoutSun);
 }
 
 /// environment.env, in Babylon.js's axes.
@@ -414,7 +357,7 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
   const WriteReport report = write_babylon_environment(folder.place(file), environment, control);
   const Json details = {{"size", environment.specular.size()},
                         {"mips", environment.specular.levels()},
-                        {"roughness", roughness_json(specular.mips)},
+                        {"roughness", roughness_of(specular)},
                         {"axes", "babylon"},
                         {"lod_generation_scale", environment.lod_generation_scale},
                         {"irradiance_size", environment.irradiance.size()},
@@ -423,7 +366,7 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
       rgbd_file({file,
                  diffuse.size() > 0 ? "for Babylon.js: specular cubemap, diffuse light as a cubemap and as a polynomial"
                                     : "for Babylon.js: specular cubemap, and diffuse light as a polynomial",
-                 "Babylon.js .env, RGBD in PNG", 0, report.values_clamped, kRangeOfRgbd, details},
+                 "Babylon.js .env, RGBD in PNG", details, report.values_clamped, kRangeOfRgbd},
                 baked));
 }
 
@@ -431,14 +374,15 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
 void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = rgbd_chain(baked);
   const GltfLight light = gltf_light(specular.cubemap, rgbd_radiance(baked), control);
-  write_text_file(folder.place(file), light.bytes);
   const Json details = {{"size", specular.cubemap.size()},
                         {"mips", specular.cubemap.levels()},
-                        {"roughness", roughness_json(specular.mips)},
+                        {"roughness", roughness_of(specular)},
                         {"axes", "gltf"}};
-  folder.add(rgbd_file({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
-                        "glTF 2.0 binary, RGBD in PNG", 0, light.values_clamped, kRangeOfRgbd, details},
-                       baked));
+  folder.write(
+      rgbd_file({file, "a light of EXT_lights_image_based: specular cubemap, and diffuse light as coefficients",
+                 "glTF 2.0 binary, RGBD in PNG", details, light.values_clamped, kRangeOfRgbd},
+                baked),
+      light.bytes);
 }
 
 ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
@@ -475,8 +419,8 @@ void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFold
   if (options.bake.bands == 0 || !baked.light.radiance) return;
   const ShReport report = report_of(baked, options);
   const Json details = {{"bands", report.projection.radiance.bands()}};
-  write_text_file(folder.place("sh.json"), sh_json(report));
-  folder.add({"sh.json", "spherical harmonics, in canonical form and in each engine's", "JSON", 0, 0, "", details});
+  folder.write({"sh.json", "spherical harmonics, in canonical form and in each engine's", "JSON", details},
+               sh_json(report));
   const std::string name = harmonics_name(options);
   const bool is_c = name == kHarmonicsHeader;
   std::string header;
@@ -487,8 +431,7 @@ void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFold
     baked.notes.push_back(name + " is omitted: " + error.what());
     return;
   }
-  write_text_file(folder.place(name), header);
-  folder.add({name, "the same", is_c ? "C header" : "C#", 0, 0, "", details});
+  folder.write({name, "the same", is_c ? "C header" : "C#", details}, header);
 }
 
 /// Draws and writes the previews.
@@ -497,18 +440,11 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
   const PreviewOptions how{tone_map_of(baked, options), options.preview_size};
   std::vector<WrittenFile> files;
   for (const WrittenPreview& picture : write_previews(baked.light, how, folder, control)) {
-    files.push_back(
-        {picture.name, picture.what, "PNG", 0, 0, "", {{"width", picture.width}, {"height", picture.height}}});
+    files.push_back({picture.name, picture.what, "PNG", {{"width", picture.width}, {"height", picture.height}}});
   }
   if (options.preview_page && baked.light.specular) {
     write_preview_page(baked.light, how.tone_map, folder / kPreviewPage, control);
-    files.push_back({kPreviewPage,
-                     "spheres and a knot in the light of this bake, to be turned in a browser",
-                     "HTML",
-                     0,
-                     0,
-                     "",
-                     {}});
+    files.push_back({kPreviewPage, "spheres and a knot in the light of this bake, to be turned in a browser", "HTML"});
   }
   return files;
 }

@@ -85,13 +85,8 @@ BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control
 }
 
 std::uint64_t BakeSource::bytes() const noexcept {
-  constexpr std::uint64_t kTexelBytes = 12;
-  if (!file_) {
-    return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + picture_.pixels.size());
-  }
-  const auto face = static_cast<std::uint64_t>(file_->face_size());
-  const auto texels = static_cast<std::uint64_t>(file_->info.width) * static_cast<std::uint64_t>(file_->info.height);
-  return kTexelBytes * (face > 0 ? 6 * face * face : texels);
+  if (file_) return values_of(*file_).size_bytes();
+  return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + picture_.pixels.size());
 }
 
 void BakeSource::read(const BakeCommandOptions& options, const Control& control) {

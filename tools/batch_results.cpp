@@ -34,11 +34,9 @@ ContentHash hash_of(const ResultFiles& files) {
 }
 
 Json json_of(const ResultFiles& files) {
-  Json list = Json::array();
-  for (const ResultFile& file : files) {
-    list.push_back({{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash.text()}});
-  }
-  return list;
+  return json_list(files, [](const ResultFile& file) -> Json {
+    return {{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash.text()}};
+  });
 }
 
 Member hash(const char* name, ContentHash& target) {

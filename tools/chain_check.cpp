@@ -103,11 +103,11 @@ void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlace
   for (int face = 0; face < 6; ++face) {
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const TexelIndex shown = shown_by(placement.faces[static_cast<std::size_t>(face)], size, column, row);
+        const CubeTexel shown = shown_by(placement.faces[static_cast<std::size_t>(face)], size, column, row);
         const glm::dvec3 from = rgb_at(truth, shown.face, shown.column, shown.row);
         const std::array<int, 3>& order = placement.channels;
         use(rgb_at(image, face, column, row), glm::dvec3(from[order[0]], from[order[1]], from[order[2]]),
-            angles->at(row, column), TexelIndex{face, column, row});
+            angles->at(row, column), CubeTexel{face, column, row});
       }
     }
   }
@@ -118,7 +118,7 @@ Sums sums_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& p
              const glm::dvec3& scale = glm::dvec3(1.0)) {
   Sums sums;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const TexelIndex& /*place*/) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const CubeTexel& /*place*/) {
                    const glm::dvec3 scaled = scale * expected;
                    const glm::dvec3 difference = value - scaled;
                    sums.image += weight * value;
@@ -136,7 +136,7 @@ MipErrors errors_of(const Cubemap& image, const Cubemap& truth, const ChainPlace
   const double floor =
       std::max(0.01 * std::sqrt(sums.squared_truth / (12.0 * std::numbers::pi)), std::numeric_limits<double>::min());
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
                    for (int channel = 0; channel < 3; ++channel) {
                      const double error =
                          std::abs(value[channel] - expected[channel]) / std::max(expected[channel], floor);
@@ -242,12 +242,12 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   const double floor = 1e-4 * sums.squared_truth / (4.0 * std::numbers::pi) + std::numeric_limits<double>::min();
   const int ring = size < 16 ? 2 : 3;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
                    const glm::dvec3 difference = value / scale - expected;
                    const double rest = glm::dot(difference, difference) / (glm::dot(expected, expected) + floor);
                    const auto add = [&](int distance, int column, int row) {
                      if (distance != 0 && distance != ring) return;
-                     const image::CubeTexel beyond = image::across_edge(size, {place.face, column, row});
+                     const CubeTexel beyond = image::across_edge(size, {place.face, column, row});
                      Edge& edge = edges[static_cast<std::size_t>(place.face)][static_cast<std::size_t>(beyond.face)];
                      (distance == 0 ? edge.outermost : edge.inside).push_back(rest);
                    };
@@ -465,7 +465,7 @@ Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const Environment
   Cubemap placed(mip.size);
   for_each_texel(
       truth, truth, check.placement,
-      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const TexelIndex& place) {
+      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
         float* rgb = placed.face(place.face) + 3 * (static_cast<std::ptrdiff_t>(place.row) * mip.size + place.column);
         for (int channel = 0; channel < 3; ++channel) rgb[channel] = static_cast<float>(expected[channel]);
       });

@@ -1,20 +1,26 @@
-// A chain of any maker against its source: how its faces lie, its scale, the roughness of each mip, and the errors.
+// Light of any maker against its source. Of a chain: how its faces lie, its scale, the roughness of each mip, and the
+// errors; of spherical harmonics: their form, and the factor of each band.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "image/geometry.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 
 namespace welkin::tool {
+
+using image::CubeTexel;
 
 /// The place of a face of the chain: a face of the source's cubemap, mirrored in its columns, in its rows or
 /// transposed.
@@ -37,13 +43,6 @@ struct ChainPlacement {
   [[nodiscard]] bool is_identity() const;
 };
 
-/// A texel of a mip.
-struct TexelIndex {
-  int face = 0;
-  int column = 0;
-  int row = 0;
-};
-
 /// A placement, and the sum of squared differences that it leaves.
 struct PlacementFit {
   ChainPlacement placement{};
@@ -51,7 +50,7 @@ struct PlacementFit {
 };
 
 /// The texel of the source's cubemap that texel (column, row) of a face with this place shows.
-[[nodiscard]] TexelIndex shown_by(const FaceMapping& place, int size, int column, int row);
+[[nodiscard]] CubeTexel shown_by(const FaceMapping& place, int size, int column, int row);
 
 /// Errors of a mip. All are relative: `rms` to the truth's root mean square, `bias` to its mean, and `largest` to the
 /// truth at that texel and channel, or to a hundredth of its root mean square where it is darker.
@@ -59,7 +58,7 @@ struct MipErrors {
   double rms = 0.0;
   double largest = 0.0;
   double bias = 0.0;
-  TexelIndex place{};  ///< of the largest
+  CubeTexel place{};  ///< of the largest
 };
 
 struct MipCheck {
@@ -119,5 +118,30 @@ using ChainMips = std::vector<Cubemap>;
 
 /// "pi times", "1/2 of" the source's, or nothing if no such factor is near.
 [[nodiscard]] std::string scale_words(double scale);
+
+/// Three bands as a file states them: the function that they stand for, by direction.
+struct HarmonicsFile {
+  std::string words;  ///< "sh.json", "cmgen's text", "polynomial of Babylon.js"
+  Cubemap values;     ///< the function at the centres of texels
+};
+
+/// Reads `welkin sh`'s JSON (sh.json too), and the nine lines of text that cmgen writes. Nothing for other files.
+/// Throws `Error`: file_access, corrupt_file.
+[[nodiscard]] std::optional<HarmonicsFile> read_harmonics(const std::filesystem::path& file);
+
+/// Returns the polynomial of an .env file in Welkin's axes, if it has one.
+[[nodiscard]] std::optional<HarmonicsFile> harmonics_of(const BabylonEnvironment& environment);
+
+struct HarmonicsCheck {
+  ChainPlacement placement{};
+  std::string form;               ///< "radiance", "irradiance", ...
+  std::vector<double> factors{};  ///< of bands 0 to 2, relative to that form of the source
+  double rms = 0.0;               ///< error of the function over the root mean square of that form
+  std::vector<std::string> findings{};
+};
+
+/// Throws `Error`.
+[[nodiscard]] HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView& source,
+                                             const PixelPolicy& pixels, const Control& control);
 
 }  // namespace welkin::tool

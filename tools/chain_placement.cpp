@@ -19,22 +19,24 @@
 
 namespace welkin::tool {
 
-TexelIndex shown_by(const FaceMapping& place, int size, int column, int row) {
+CubeTexel shown_by(const FaceMapping& place, int size, int column, int row) {
   if (place.transposed) std::swap(column, row);
   return {place.face, place.columns_mirrored ? size - 1 - column : column, place.rows_mirrored ? size - 1 - row : row};
 }
 
 namespace {
 
-constexpr int kPlaces = 8;  // of one face: the symmetries of a square
+constexpr int kSymmetries = 8;            // of a square
+constexpr int kPlaces = 6 * kSymmetries;  // of one face
 constexpr double kNearlyAsGood = 1.2;
 
-FaceMapping face_place(int face, int symmetry) {
-  return {face, (symmetry & 1) != 0, (symmetry & 2) != 0, (symmetry & 4) != 0};
+FaceMapping face_place(int index) {
+  return {index / kSymmetries, (index & 1) != 0, (index & 2) != 0, (index & 4) != 0};
 }
 
-int symmetry_of(const FaceMapping& place) {
-  return (place.columns_mirrored ? 1 : 0) + (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0);
+std::size_t index_of(const FaceMapping& place) {
+  return static_cast<std::size_t>(kSymmetries * place.face + (place.columns_mirrored ? 1 : 0) +
+                                  (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0));
 }
 
 /// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
@@ -46,12 +48,12 @@ std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
       return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
     };
-    const image::CubeTexel left = shown(0, 1);
-    const image::CubeTexel top = shown(1, 0);
-    for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-      const FaceMapping place = face_place(left.face, symmetry);
-      const TexelIndex a = shown_by(place, kSize, 0, 1);
-      const TexelIndex b = shown_by(place, kSize, 1, 0);
+    const CubeTexel left = shown(0, 1);
+    const CubeTexel top = shown(1, 0);
+    for (int symmetry = 0; symmetry < kSymmetries; ++symmetry) {
+      const FaceMapping place = face_place(kSymmetries * left.face + symmetry);
+      const CubeTexel a = shown_by(place, kSize, 0, 1);
+      const CubeTexel b = shown_by(place, kSize, 1, 0);
       if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
         places[static_cast<std::size_t>(face)] = place;
       }
@@ -99,20 +101,16 @@ class Differences {
  public:
   Differences(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size) {
     for (int face = 0; face < 6; ++face) {
-      for (int shown = 0; shown < 6; ++shown) {
-        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-          at(face, shown, symmetry) = compare(image, truth, size, face, face_place(shown, symmetry));
-        }
+      for (int place = 0; place < kPlaces; ++place) {
+        squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(place)] =
+            compare(image, truth, size, face, face_place(place));
       }
     }
   }
 
   [[nodiscard]] double of(const std::array<FaceMapping, 6>& places) const {
     double sum = 0.0;
-    for (std::size_t face = 0; face < 6; ++face) {
-      sum += squares_[face][static_cast<std::size_t>(places[face].face)]
-                     [static_cast<std::size_t>(symmetry_of(places[face]))];
-    }
+    for (std::size_t face = 0; face < 6; ++face) sum += squares_[face][index_of(places[face])];
     return sum;
   }
 
@@ -120,32 +118,20 @@ class Differences {
   [[nodiscard]] std::array<FaceMapping, 6> each() const {
     std::array<FaceMapping, 6> places{};
     for (std::size_t face = 0; face < 6; ++face) {
-      double least = std::numeric_limits<double>::max();
-      for (int shown = 0; shown < 6; ++shown) {
-        for (int symmetry = 0; symmetry < kPlaces; ++symmetry) {
-          const double squares = squares_[face][static_cast<std::size_t>(shown)][static_cast<std::size_t>(symmetry)];
-          if (squares >= least) continue;
-          least = squares;
-          places[face] = face_place(shown, symmetry);
-        }
-      }
+      const auto* const least = std::ranges::min_element(squares_[face]);
+      places[face] = face_place(static_cast<int>(least - squares_[face].begin()));
     }
     return places;
   }
 
  private:
-  [[nodiscard]] double& at(int face, int shown, int symmetry) {
-    return squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(shown)]
-                   [static_cast<std::size_t>(symmetry)];
-  }
-
   // By the sum of channels, whatever their order.
   static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
                         const FaceMapping& place) {
     double sum = 0.0;
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const TexelIndex shown = shown_by(place, size, column, row);
+        const CubeTexel shown = shown_by(place, size, column, row);
         const auto index = [&](int of_face, int i, int j) {
           return static_cast<std::size_t>((of_face * size + j) * size + i);
         };
@@ -158,7 +144,7 @@ class Differences {
     return sum;
   }
 
-  std::array<std::array<std::array<double, kPlaces>, 6>, 6> squares_{};
+  std::array<std::array<double, kPlaces>, 6> squares_{};
 };
 
 /// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
@@ -169,7 +155,7 @@ std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::
     for (std::size_t i = 0; i < image.size(); ++i) {
       const int column = static_cast<int>(i) % size;
       const int row = static_cast<int>(i) / size % size;
-      const TexelIndex shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
+      const CubeTexel shown = shown_by(faces[i / static_cast<std::size_t>(size * size)], size, column, row);
       const glm::dvec3& from = truth[static_cast<std::size_t>((shown.face * size + shown.row) * size + shown.column)];
       for (int channel = 0; channel < 3; ++channel) {
         const double difference = image[i][channel] - from[channels[static_cast<std::size_t>(channel)]];

@@ -18,7 +18,6 @@
 #include "tools/bake_options.h"
 #include "tools/chain_check.h"
 #include "tools/commands.h"
-#include "tools/harmonics_check.h"
 #include "tools/input.h"
 #include "tools/json.h"
 #include "tools/preview_light.h"
@@ -57,9 +56,7 @@ Cubemap cubemap_of(const Environment& level, const std::string& named) {
   if (level.face_size() == 0) {
     throw Error(ErrorCode::unsupported_file, printable(named) + ": a chain is a cubemap, and this is a lat-long");
   }
-  return {level.face_size(),
-          {level.pixels.get(),
-           18 * static_cast<std::size_t>(level.face_size()) * static_cast<std::size_t>(level.face_size())}};
+  return {level.face_size(), values_of(level)};
 }
 
 /// Six files a mip, as cmgen writes them: m0_px.hdr, ..., m1_px.hdr, ... The first of each; empty if the folder has
@@ -123,7 +120,7 @@ Json mip_json(const MipCheck& mip, std::size_t index) {
   return {{"mip", index},
           {"size", mip.size},
           {"roughness", mip.roughness},
-          {"fitted_roughness", mip.fitted ? Json(*mip.fitted) : Json()},
+          {"fitted_roughness", mip.fitted},
           {"scale", json_triple(mip.scale)},
           {"rms", mip.errors.rms},
           {"largest", mip.errors.largest},
@@ -134,7 +131,7 @@ Json mip_json(const MipCheck& mip, std::size_t index) {
           {"bias", mip.errors.bias},
           {"rest", mip.rest},
           {"seams", mip.seams},
-          {"clipped_at", mip.clipped_at ? Json(*mip.clipped_at) : Json()},
+          {"clipped_at", mip.clipped_at},
           {"odd_values", mip.odd_values}};
 }
 

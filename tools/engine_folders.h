@@ -1,7 +1,7 @@
 // What `--for ENGINE` writes: the files that the engine loads as they are, and the lines of code that load them.
 #pragma once
 
-#include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
@@ -51,10 +51,6 @@ inline constexpr const char* kAtlasName = "env_atlas.png";
 /// `lodGenerationScale` has the shader look. The last one has roughness 1.
 [[nodiscard]] std::vector<double> gltf_light_roughness(int size, int mips);
 
-/// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
-/// glTF's -x, so indices 3, 4 and 7 have the other sign.
-[[nodiscard]] std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radiance);
-
 struct GltfLight {
   std::string bytes;                 ///< the .glb file
   std::uint64_t values_clamped = 0;  ///< by RGBD, which ends at 255
@@ -63,5 +59,32 @@ struct GltfLight {
 /// The file: one scene, which refers to one light of intensity 1, and its pictures. `specular` and `radiance` in
 /// Welkin's axes, the chain with `gltf_light_roughness`. Throws `Error`: as `rgbd_pictures`.
 [[nodiscard]] GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control);
+
+// PlayCanvas' envAtlas: sharp and rough reflections and diffuse light as lat-longs on one square image.
+
+struct PlayCanvasAtlas {
+  int size = 0;                      ///< texels per edge
+  std::vector<std::uint8_t> rgba;    ///< RGBP: (c (8 - 7 a))^2 is radiance
+  std::uint64_t values_clamped = 0;  ///< channel values below 0 or above 64, the range of RGBP
+};
+
+/// Mips of the chain that the atlas has a place for.
+inline constexpr int kAtlasMips = 6;
+
+/// The radiance above which RGBP clamps.
+inline constexpr double kLargestRgbp = 64.0;
+
+/// Texels along an edge of the atlas: the largest multiple of 512 that is at most twice the specular cubemap's size,
+/// and at least 512.
+[[nodiscard]] int atlas_size(int specular_size) noexcept;
+
+/// Lays a chain whose mip k has roughness k / 5 out as EnvLighting.generateAtlas does. `diffuse`: radiance of a white
+/// surface. Both in Welkin's axes. `ends_in_diffuse`: the last mip has roughness 1, whose lobe is the cosine's, so that
+/// the finer of the two stands for both. Throws `Error`: as `to_lat_long`.
+[[nodiscard]] PlayCanvasAtlas playcanvas_atlas(const Cubemap& specular, const CubemapView& diffuse,
+                                               bool ends_in_diffuse, const Control& control);
+
+/// The asset that makes PlayCanvas load the image `file` so.
+[[nodiscard]] std::string playcanvas_asset(const std::string& file);
 
 }  // namespace welkin::tool

@@ -1,34 +1,22 @@
-#include "tools/harmonics_check.h"
-
+// A file of spherical harmonics against the light that it was made from.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <glm/vec3.hpp>
 #include <limits>
 #include <locale>
 #include <numbers>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <variant>
-#include <vector>
 
-#include "image/geometry.h"
 #include "tools/chain_check.h"
 #include "tools/json.h"
 #include "tools/text.h"
-#include "welkin/bake_file.h"
-#include "welkin/core.h"
 #include "welkin/engines.h"
-#include "welkin/image.h"
-#include "welkin/projection.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {

@@ -5,13 +5,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "embedded_texts.h"
@@ -56,8 +55,8 @@ struct ImportanceCommandOptions {
 };
 
 /// NumPy's file, version 1.0: little-endian, rows first. `type`: "<f4", or a list of fields.
-std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std::size_t>& shape, const void* values,
-                                 std::size_t bytes) {
+std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std::size_t>& shape,
+                                 std::span<const std::byte> values) {
   static_assert(std::endian::native == std::endian::little);
   std::string dimensions;
   for (const std::size_t count : shape) dimensions += std::to_string(count) + ", ";
@@ -72,52 +71,22 @@ std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std:
   text += static_cast<char>(header.size() & 0xFFU);
   text += static_cast<char>(header.size() >> 8U);
   text += header;
-  std::vector<std::byte> file(text.size() + bytes);
-  std::memcpy(file.data(), text.data(), text.size());
-  if (bytes > 0) std::memcpy(file.data() + text.size(), values, bytes);
+  const auto start = std::as_bytes(std::span(text));
+  std::vector<std::byte> file(start.begin(), start.end());
+  file.insert(file.end(), values.begin(), values.end());
   return file;
 }
 
-/// Writes files and lists them.
-class TableFolder {
- public:
-  /// Without an index the folder does not pass for complete until the new one is written.
-  TableFolder(std::filesystem::path path, const std::vector<std::string>& names) : path_(std::move(path)) {
-    check_output_folder(path_);
-    std::filesystem::create_directories(path_);
-    own_.emplace(path_, kTableFiles);
-    own_->begin(names);
-  }
-
-  [[nodiscard]] std::vector<std::string> finish(const std::string& index, const std::filesystem::path& read) const {
-    return own_->finish(index, names_, {read});
-  }
-
-  void add(const std::string& name, const std::vector<std::size_t>& shape, std::span<const float> values) {
-    write(name, "'<f4'", shape, values.data(), values.size_bytes());
-  }
-  void add(const std::string& name, const std::vector<std::size_t>& shape, std::span<const AliasEntry> entries) {
-    static_assert(sizeof(AliasEntry) == 8);
-    write(name, "[('own', '<f4'), ('other', '<u4')]", shape, entries.data(), entries.size_bytes());
-  }
-
-  [[nodiscard]] const Json& files() const noexcept { return files_; }
-  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-
- private:
-  void write(const std::string& name, const std::string& type, const std::vector<std::size_t>& shape,
-             const void* values, std::size_t bytes) {
-    const std::vector<std::byte> file = npy_bytes(type, shape, values, bytes);
-    write_bytes(path_ / name, file);
-    names_.push_back(name);
-    files_.push_back({{"name", name}, {"shape", shape}, {"bytes", file.size()}});
-  }
-
-  std::filesystem::path path_;
-  std::optional<OwnFiles> own_;
-  std::vector<std::string> names_;
-  Json files_ = Json::array();
-};
+/// Writes a table, and notes it with its shape.
+template <class Value>
+void write_table(const std::string& name, const std::vector<std::size_t>& shape, const std::vector<Value>& values,
+                 OutputFolder& folder) {
+  constexpr bool kIsFloats = std::is_same_v<Value, float>;
+  static_assert(kIsFloats || (std::is_same_v<Value, AliasEntry> && sizeof(AliasEntry) == 8));
+  const char* const type = kIsFloats ? "'<f4'" : "[('own', '<f4'), ('other', '<u4')]";
+  write_bytes(folder.place(name), npy_bytes(type, shape, std::as_bytes(std::span(values))));
+  folder.add({name, "", "", shape});
+}
 
 /// All that may be written, index included.
 std::vector<std::string> names_to_write(const ImportanceCommandOptions& options) {
@@ -137,6 +106,10 @@ const char* word_of(ImportanceWeight weight) {
     case ImportanceWeight::largest: break;
   }
   return "largest";
+}
+
+Json file_json(const WrittenFile& file) {
+  return {{"name", file.name}, {"shape", file.details}, {"bytes", file.bytes}};
 }
 
 std::size_t count_of(int number) { return static_cast<std::size_t>(number); }
@@ -161,23 +134,23 @@ std::string make(const ImportanceCommandOptions& options, const Control& control
   const ImportanceVariance variance =
       importance_variance(view, table, wanted.weight, wanted.pixels, part_of(control, 0.6, 0.8));
   begin_stage("write");
-  TableFolder folder(directory, names);
+  OutputFolder folder(directory, names, {control.stop, {}}, kTableFiles);
   const std::size_t width = count_of(table.width);
   const std::size_t height = count_of(table.height);
-  folder.add("function.npy", {height, width}, std::span<const float>(table.function));
-  folder.add("row_cdf.npy", {height + 1}, std::span<const float>(table.row_cdf));
-  folder.add("column_cdf.npy", {height, width + 1}, std::span<const float>(table.column_cdf));
+  write_table("function.npy", {height, width}, table.function, folder);
+  write_table("row_cdf.npy", {height + 1}, table.row_cdf, folder);
+  write_table("column_cdf.npy", {height, width + 1}, table.column_cdf, folder);
   if (options.alias) {
     const AliasTable alias = alias_table(table, {control.stop, {}});
-    folder.add("alias_rows.npy", {height}, std::span<const AliasEntry>(alias.rows));
-    folder.add("alias_columns.npy", {height, width}, std::span<const AliasEntry>(alias.columns));
+    write_table("alias_rows.npy", {height}, alias.rows, folder);
+    write_table("alias_columns.npy", {height, width}, alias.columns, folder);
   }
   if (options.pyramid) {
     const ImportancePyramid pyramid = importance_pyramid(table, {control.stop, {}});
     for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
       const ImportancePyramid::Level& each = pyramid.levels[level];
-      folder.add("pyramid_" + std::to_string(level) + ".npy", {count_of(each.height), count_of(each.width)},
-                 std::span<const float>(each.probabilities));
+      write_table("pyramid_" + std::to_string(level) + ".npy", {count_of(each.height), count_of(each.width)},
+                  each.probabilities, folder);
     }
   }
   const Json report = {{"welkin", WELKIN_VERSION_STRING},
@@ -191,9 +164,9 @@ std::string make(const ImportanceCommandOptions& options, const Control& control
                        {"directions",
                         "column i of width, row j of height: longitude pi - 2 pi i / width, latitude pi / 2 - pi j / "
                         "height; (sin lon cos lat, sin lat, cos lon cos lat); uniform in solid angle within a texel"},
-                       {"files", folder.files()}};
+                       {"files", json_list(folder.files(), file_json)}};
   const std::string text = json_text(report);
-  const std::vector<std::string> remarks = folder.finish(text, platform::path_of(options.input));
+  const std::vector<std::string> remarks = folder.finish(text, {platform::path_of(options.input)});
   if (options.common.json) return text;
   std::string notes;
   for (const std::string& remark : remarks) notes += "note: " + remark + '\n';

@@ -34,8 +34,9 @@ Json source_json(const EnvironmentInfo& file) {
 }
 
 Json storage_json(const EnvironmentInfo& file) {
-  Json levels = Json::array();
-  for (const LevelInfo& level : file.levels) levels.push_back({level.width, level.height});
+  const Json levels = json_list(file.levels, [](const LevelInfo& level) -> Json {
+    return {level.width, level.height};
+  });
   Json json = {{"compression", file.compression},
                {"storage", file.storage},
                {"layout_reason", file.layout_reason},
@@ -43,18 +44,15 @@ Json storage_json(const EnvironmentInfo& file) {
                {"parts", file.parts},
                {"layers", file.layers}};
   if (file.layout == Layout::six_files) {
-    Json faces = Json::array();
-    for (const std::filesystem::path& face : file.faces) faces.push_back(platform::utf8(face));
-    json["faces"] = faces;
+    json["faces"] = json_list(file.faces, [](const std::filesystem::path& face) { return platform::utf8(face); });
   }
   return json;
 }
 
 Json channels_json(const EnvironmentInfo& file) {
-  Json list = Json::array();
-  for (const ChannelInfo& channel : file.channels)
-    list.push_back({{"name", channel.name}, {"type", name(channel.type)}});
-  return list;
+  return json_list(file.channels, [](const ChannelInfo& channel) -> Json {
+    return {{"name", channel.name}, {"type", name(channel.type)}};
+  });
 }
 
 Json pixels_json(const EnvironmentStatistics& pixels) {

@@ -1,9 +1,12 @@
-// What is read and how: the options of commands that read an environment, and what they hold of it in memory.
+// What is read and how: the options of commands that read an environment, what they hold of it in memory, and how it is
+// turned.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +14,8 @@
 #include <vector>
 
 #include "tools/arguments.h"
+#include "welkin/core.h"
+#include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
@@ -121,6 +126,9 @@ struct Pixels {
   [[nodiscard]] std::span<float> values() noexcept { return is_cubemap ? cubemap.pixels() : lat_long.pixels; }
 };
 
+/// All values of what was read.
+[[nodiscard]] std::span<float> values_of(const Environment& environment);
+
 /// A copy of what was read.
 [[nodiscard]] Pixels pixels_of(const Environment& environment);
 
@@ -145,5 +153,41 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
 
 /// Some lines for a person about the sun that was taken out or was never in the pixels, or that there was none.
 [[nodiscard]] std::string sun_text(const std::optional<Sun>& sun, bool z_is_up);
+
+// How it is turned on the way to its result: conventions, yaw, mirror, quaternion.
+
+struct OrientationOptions {
+  Engine from = Engine::welkin;
+  Engine to = Engine::welkin;
+  double yaw_degrees = 0.0;
+  bool mirror = false;
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
+};
+
+/// --for alone: of light that was never in a file.
+void add_engine_option(Options& table, OrientationOptions& options);
+
+/// --from, --for, --yaw, --mirror, --rotation.
+void add_orientation_options(Options& table, OrientationOptions& options);
+
+/// Takes a direction as the file has it (by the frames of LatLongView or CubemapView) to the one in which the result
+/// has it, in the axes of the engine that it is for: out of the file's convention, mirrored (x changes its sign),
+/// turned by the quaternion and then about y, in Welkin's axes, and into the engine's. For coefficients and lights.
+[[nodiscard]] glm::dmat3 light_rotation(const OrientationOptions& options, bool source_is_cubemap);
+
+/// The same where the result is a picture, by the frames of LatLongView or CubemapView: a cubemap's faces are where
+/// the engine looks for them; a lat-long is the same picture for all engines.
+[[nodiscard]] glm::dmat3 picture_rotation(const OrientationOptions& options, bool source_is_cubemap,
+                                          bool result_is_cubemap);
+
+/// The result's axes in words.
+[[nodiscard]] std::string axes_text(const OrientationOptions& options);
+
+/// What takes Welkin's axes to the places in the engine's cube faces: one of the cube's 48 symmetries. Throws `Error`
+/// (invalid_argument) for an engine that has no cube faces.
+[[nodiscard]] glm::dmat3 faces_of(Engine engine);
+
+/// Every texel is moved as it is.
+[[nodiscard]] Cubemap rotate(const Cubemap& chain, const glm::dmat3& symmetry, const Control& control);
 
 }  // namespace welkin::tool

@@ -7,6 +7,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -37,6 +38,9 @@ class Json {
   Json(const std::vector<Value>& values) : Json(array()) {
     for (const Value& value : values) push_back(value);
   }
+  /// Null where there is none.
+  template <class Value>
+  Json(const std::optional<Value>& value) : Json(value ? Json(*value) : Json()) {}
   Json(std::initializer_list<Json> values);
   // NOLINTEND(google-explicit-constructor)
   Json(const Json& other);
@@ -86,6 +90,14 @@ class Json {
 
   std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double, std::string, List, Members> value_;
 };
+
+/// The list of what `made` returns for each value.
+template <class Values, class Made>
+[[nodiscard]] Json json_list(const Values& values, const Made& made) {
+  Json list = Json::array();
+  for (const auto& value : values) list.push_back(made(value));
+  return list;
+}
 
 /// [r, g, b]
 [[nodiscard]] Json json_triple(const glm::dvec3& rgb);

@@ -21,27 +21,19 @@ Command report_command() {
   return command;
 }
 
-enum class Told { bash, zsh, manual };
-
 Program welkin_program();
 
 /// For packages and for people: a shell's completion, or the manual page.
 Command completion_command() {
-  const auto told = std::make_shared<Told>(Told::bash);
+  using Writer = std::string (*)(const Program&);
+  const auto writer = std::make_shared<Writer>(bash_completion);
   Command command{"completion", "Print a script for bash or zsh, or the manual page", ""};
   Option what =
-      choice<Told>("WHAT", *told, {{"bash", Told::bash}, {"zsh", Told::zsh}, {"manual", Told::manual}},
-                   "bash or zsh for a script that completes commands, options and their words, manual for welkin(1)");
+      choice<Writer>("WHAT", *writer, {{"bash", bash_completion}, {"zsh", zsh_completion}, {"manual", manual_page}},
+                     "bash or zsh for a script that completes commands, options and their words, manual for welkin(1)");
   what.required = true;
   command.options.push_back(std::move(what));
-  command.run = [told](const Given& /*given*/) {
-    const Program program = welkin_program();
-    switch (*told) {
-      case Told::bash: print_result(bash_completion(program)); break;
-      case Told::zsh: print_result(zsh_completion(program)); break;
-      case Told::manual: print_result(manual_page(program)); break;
-    }
-  };
+  command.run = [writer](const Given& /*given*/) { print_result((*writer)(welkin_program())); };
   return command;
 }
 

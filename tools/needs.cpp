@@ -79,7 +79,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
 }
 
 Json needs_json(const SceneNeeds& needs) {
-  Json glossy = nullptr;
+  Json glossy;
   if (needs.glossy) glossy = {{"minimum", needs.glossy->minimum}, {"maximum", needs.glossy->maximum}};
   return {{"diffuse_bands", needs.diffuse_bands},
           {"irradiance_cubemap", needs.irradiance_cubemap},
@@ -100,11 +100,9 @@ SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes) {
 }
 
 Json plan_json(const Plan& plan) {
-  Json passes = Json::array();
-  for (const PlannedPass& pass : plan.passes) {
-    passes.push_back(
-        {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"bytes", pass.bytes}});
-  }
+  const Json passes = json_list(plan.passes, [](const PlannedPass& pass) -> Json {
+    return {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"bytes", pass.bytes}};
+  });
   return {{"source", plan.source},
           {"passes", passes},
           {"result_bytes", plan.result_bytes},

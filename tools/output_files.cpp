@@ -2,13 +2,46 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <functional>
+#include <limits>
 
 #include "tools/bake_options.h"
 #include "tools/engine_folders.h"
 
 namespace welkin::tool {
 namespace {
+
+constexpr std::array kContainerNames{"ktx2", "dds", "exr", "hdr", "pfm", "env", "ktx", "glb", "png", "text"};
+static_assert(kContainerNames.size() == static_cast<std::size_t>(Container::text) + 1);
+
+constexpr std::array kContentNames{
+    "environment", "environment", "environment", "environment", "environment", "specular_octahedral",
+    "background",  "specular",    "charlie",     "lambert",     "phong",       "irradiance",
+    "brdf",        "dome light",  "readme"};
+static_assert(kContentNames.size() == static_cast<std::size_t>(Content::readme) + 1);
+
+struct FormatTraits {
+  const char* name;
+  glm::dvec3 largest;
+  const char* range;
+};
+
+constexpr glm::dvec3 kLargestHalf(65504.0);
+constexpr const char* kRangeOfAstc = "below 0 or above 65504 clamped: ASTC ends there";
+constexpr std::array<FormatTraits, 9> kFormats{
+    {{"rgba16f", kLargestHalf, "beyond +-65504, the range of half floats, clamped"},
+     {"rgba32f", glm::dvec3(std::numeric_limits<float>::max()), "that are not finite replaced"},
+     {"b10g11r11", {65024.0, 65024.0, 64512.0}, "below 0 or above 65024 (blue: 64512) clamped: b10g11r11 ends there"},
+     {"e5b9g9r9", glm::dvec3(65408.0), "below 0 or above 65408 clamped: e5b9g9r9 ends there"},
+     {"bc6h", kLargestHalf, "below 0 or above 65504 clamped: unsigned BC6H ends there"},
+     {"bc6h-signed", kLargestHalf, "beyond +-65504 clamped: BC6H ends there"},
+     {"astc4x4", kLargestHalf, kRangeOfAstc},
+     {"astc6x6", kLargestHalf, kRangeOfAstc},
+     {"uastc-hdr", kLargestHalf, kRangeOfAstc}}};
+static_assert(kFormats.size() == static_cast<std::size_t>(TexelFormat::uastc_hdr_4x4) + 1);
+
+const FormatTraits& traits(TexelFormat format) noexcept { return kFormats.at(static_cast<std::size_t>(format)); }
 
 /// What the container has room for: OpenEXR halves or floats, DDS also blocks of BC6H, KTX all but ASTC. Irradiance is
 /// not compressed: where it nears 0 the errors of blocks are large beside it. A table is of halves or floats.
@@ -43,35 +76,20 @@ std::vector<Content> cubemaps_of(const BakeCommandOptions& options) {
 
 }  // namespace
 
-const char* name(Container container) noexcept {
-  switch (container) {
-    case Container::ktx2: return "ktx2";
-    case Container::dds: return "dds";
-    case Container::exr: return "exr";
-    case Container::hdr: return "hdr";
-    case Container::pfm: return "pfm";
-    case Container::env: return "env";
-    case Container::ktx: return "ktx";
-    case Container::glb: return "glb";
-    case Container::png: return "png";
-    case Container::text: break;
-  }
-  return "text";
+const char* name(Container container) noexcept { return kContainerNames.at(static_cast<std::size_t>(container)); }
+
+const char* name(TexelFormat format) noexcept { return traits(format).name; }
+const glm::dvec3& largest_of(TexelFormat format) noexcept { return traits(format).largest; }
+
+std::vector<std::pair<std::string, TexelFormat>> texel_formats() {
+  std::vector<std::pair<std::string, TexelFormat>> formats;
+  for (const FormatTraits& each : kFormats) formats.emplace_back(each.name, static_cast<TexelFormat>(formats.size()));
+  return formats;
 }
 
-const char* name(TexelFormat format) noexcept {
-  switch (format) {
-    case TexelFormat::rgba16f: return "rgba16f";
-    case TexelFormat::rgba32f: return "rgba32f";
-    case TexelFormat::b10g11r11: return "b10g11r11";
-    case TexelFormat::bc6h_ufloat: return "bc6h";
-    case TexelFormat::bc6h_sfloat: return "bc6h-signed";
-    case TexelFormat::astc_4x4_hdr: return "astc4x4";
-    case TexelFormat::astc_6x6_hdr: return "astc6x6";
-    case TexelFormat::uastc_hdr_4x4: return "uastc-hdr";
-    case TexelFormat::e5b9g9r9: break;
-  }
-  return "e5b9g9r9";
+const char* range_of(const OutputFile& file) noexcept {
+  if (file.container == Container::hdr) return "below 0 or above 1.69e38 clamped: RGBE ends there";
+  return file.container == Container::pfm ? "" : traits(file.format).range;
 }
 
 bool is_bc6h(TexelFormat format) noexcept {
@@ -83,26 +101,7 @@ bool is_in_blocks(TexelFormat format) noexcept {
          format == TexelFormat::uastc_hdr_4x4;
 }
 
-const char* name(Content content) noexcept {
-  switch (content) {
-    case Content::env:
-    case Content::gltf_light:
-    case Content::playcanvas_atlas:
-    case Content::playcanvas_asset:
-    case Content::lat_long: return "environment";
-    case Content::octahedral: return "specular_octahedral";
-    case Content::background: return "background";
-    case Content::specular: return "specular";
-    case Content::charlie: return "charlie";
-    case Content::lambert: return "lambert";
-    case Content::phong: return "phong";
-    case Content::irradiance: return "irradiance";
-    case Content::brdf: return "brdf";
-    case Content::usd_stage: return "dome light";
-    case Content::readme: break;
-  }
-  return "readme";
-}
+const char* name(Content content) noexcept { return kContentNames.at(static_cast<std::size_t>(content)); }
 
 Content content_of(LobeFamily lobe) noexcept {
   if (lobe == LobeFamily::charlie) return Content::charlie;

@@ -1,9 +1,11 @@
 // The files of a bake: what each holds, in which format, and its name.
 #pragma once
 
+#include <glm/vec3.hpp>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "welkin/bake_file.h"
@@ -31,6 +33,12 @@ enum class Container {
 
 /// "rgba16f", "bc6h", ...: as --ktx2-format has them.
 [[nodiscard]] const char* name(TexelFormat format) noexcept;
+
+/// All of them, by their names.
+[[nodiscard]] std::vector<std::pair<std::string, TexelFormat>> texel_formats();
+
+/// The radiance above which the format clamps.
+[[nodiscard]] const glm::dvec3& largest_of(TexelFormat format) noexcept;
 
 [[nodiscard]] bool is_bc6h(TexelFormat format) noexcept;
 /// BC6H or ASTC.
@@ -70,6 +78,10 @@ struct OutputFile {
   std::string name{};  ///< with its extension
   int levels = 0;      ///< the first ones of the content's; 0: all
 };
+
+/// Returns words for what becomes of values that the file does not hold. A bake gives none that a float does not hold:
+/// PFM clamps nothing.
+[[nodiscard]] const char* range_of(const OutputFile& file) noexcept;
 
 /// The names in the folder: its own or, of a container that holds one level of this content, one a level.
 [[nodiscard]] std::vector<std::string> names_of(const OutputFile& file, int levels);

@@ -96,8 +96,7 @@ void OwnFiles::require(const std::vector<std::string>& names) const {
 void OwnFiles::begin(const std::vector<std::string>& names) const {
   require(names);
   Json files = Json::array();
-  for (const auto& [name, bytes] : listed_)
-    files.push_back({{"name", name}, {"bytes", bytes ? Json(*bytes) : Json(nullptr)}});
+  for (const auto& [name, bytes] : listed_) files.push_back({{"name", name}, {"bytes", bytes}});
   for (const std::string& name : names) {
     if (!listed_.contains(name)) files.push_back({{"name", name}, {"bytes", nullptr}});
   }

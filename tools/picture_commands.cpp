@@ -17,9 +17,7 @@
 #include "platform/text.h"
 #include "tools/commands.h"
 #include "tools/input.h"
-#include "tools/orientation.h"
 #include "tools/preview_light.h"
-#include "tools/sample_room.h"
 #include "tools/terminal.h"
 #include "tools/test_map.h"
 #include "tools/text.h"
@@ -85,56 +83,41 @@ bool wants_cubemap(const OutputOptions& options, bool have_cubemap) noexcept {
   return layout == Layout::automatic ? have_cubemap : layout != Layout::lat_long;
 }
 
-/// What the picture is written to, and where the bytes go from there.
-class Output {
- public:
-  explicit Output(const OutputOptions& options) : options_(options) {}
-
-  [[nodiscard]] FileOutput target() {
-    if (!is_standard_stream(options_.path)) return platform::path_of(options_.path);
-    return {bytes_, name_of_output(options_)};
-  }
-
-  /// What is said of the files; nothing of standard output, which gets the bytes.
-  [[nodiscard]] std::string finished(const WriteReport& report, const std::string& what) const {
-    if (!is_standard_stream(options_.path)) return described(report, what, options_.if_clamped);
-    print_result({reinterpret_cast<const char*>(bytes_.data()), bytes_.size()});
-    return "";
-  }
-
-  /// As the library wants to be told a format: by a name that ends with it.
-  [[nodiscard]] static std::string name_of_output(const OutputOptions& options) {
-    return is_standard_stream(options.path) ? "standard output." + options.format : options.path;
-  }
-
- private:
-  const OutputOptions& options_;
-  std::vector<std::byte> bytes_;
-};
+/// As the library wants to be told a format: by a name that ends with it.
+std::string name_of_output(const OutputOptions& options) {
+  return is_standard_stream(options.path) ? "standard output." + options.format : options.path;
+}
 
 void check_output(const OutputOptions& options, bool cubemap) {
-  check_write_options(platform::path_of(Output::name_of_output(options)), options.write, cubemap);
+  check_write_options(platform::path_of(name_of_output(options)), options.write, cubemap);
   if (is_standard_stream(options.path) && options.write.layout == Layout::six_files) {
     throw Error(ErrorCode::invalid_argument, "standard output is one file, and --layout six-files makes six; name OUT");
   }
 }
 
-/// Writes, and says what was written: a line a file, and a note about clamped values.
-std::string write_output(const OutputOptions& options, const LatLongView& picture, const Control& control) {
-  begin_stage("write");
-  Output output(options);
-  const WriteReport report = write_environment(output.target(), picture, options.write, control);
-  return output.finished(report, std::string(name(Layout::lat_long)) + ", " + size_text(picture.width, picture.height));
+/// Returns words for the content of a file of the picture.
+std::string words_of(const EnvironmentView& picture, Layout layout) {
+  if (picture.kind() == EnvironmentKind::lat_long) {
+    const LatLongView whole = picture.lat_long();
+    return std::string(name(Layout::lat_long)) + ", " + size_text(whole.width, whole.height);
+  }
+  const std::string face = size_text(picture.cubemap().size, picture.cubemap().size);
+  if (layout == Layout::six_files) return "one face of six, " + face;
+  return std::string(name(layout == Layout::automatic ? Layout::vertical_strip : layout)) + ", faces of " + face;
 }
 
-std::string write_output(const OutputOptions& options, const CubemapView& picture, const Control& control) {
+/// Writes, and says what was written: a line a file, and a note about clamped values; nothing of standard output, which
+/// gets the bytes.
+std::string write_output(const OutputOptions& options, const EnvironmentView& picture, const Control& control) {
   begin_stage("write");
-  Output output(options);
-  const WriteReport report = write_environment(output.target(), picture, options.write, control);
-  const Layout layout = options.write.layout == Layout::automatic ? Layout::vertical_strip : options.write.layout;
-  const std::string face = size_text(picture.size, picture.size);
-  return output.finished(report, layout == Layout::six_files ? "one face of six, " + face
-                                                             : std::string(name(layout)) + ", faces of " + face);
+  if (!is_standard_stream(options.path)) {
+    const WriteReport report = write_environment(platform::path_of(options.path), picture, options.write, control);
+    return described(report, words_of(picture, options.write.layout), options.if_clamped);
+  }
+  std::vector<std::byte> bytes;
+  write_environment({bytes, name_of_output(options)}, picture, options.write, control);
+  print_result({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return "";
 }
 
 /// Throws `Error` (limit_exceeded) if a picture of so many texels cannot be made beside `held` of the input.
@@ -180,72 +163,48 @@ struct ConvertOptions {
   std::optional<double> exposure_stops;  ///< none: by the picture
 };
 
-/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `reduced`: returns the
-/// picture as a cubemap of so many texels.
-template <class Reduced>
-void tone_map(const ConvertOptions& options, const Reduced& reduced, std::span<float> rgb) {
+/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `picture`: the view of `rgb`.
+void tone_map(const ConvertOptions& options, const EnvironmentView& picture, std::span<float> rgb) {
   constexpr int kEnough = 32;  // as for the previews
   if (!options.tone_map) return;
   begin_stage("tone map");
   const std::optional<double>& stops = options.exposure_stops;
-  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(reduced(kEnough).view())};
+  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(to_cubemap(picture, kEnough).view())};
   for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
     const glm::vec3 light = shown(glm::vec3(rgb[i], rgb[i + 1], rgb[i + 2]));
     for (int c = 0; c < 3; ++c) rgb[i + static_cast<std::size_t>(c)] = light[c];
   }
 }
 
-/// Returns all texels of what was read.
-std::span<float> values_of(const Environment& source) {
-  const auto face = static_cast<std::size_t>(source.face_size());
-  const std::size_t texels =
-      face > 0 ? 6 * face * face
-               : static_cast<std::size_t>(source.info.width) * static_cast<std::size_t>(source.info.height);
-  return {source.pixels.get(), 3 * texels};
-}
-
 /// Nothing is resampled, or moved, unless something asks for it.
-std::string write_cubemap(const ConvertOptions& options, const Environment& source, const Control& control) {
+std::string write_converted(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
-  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, true);
-  const int size = options.output.size > 0 ? options.output.size : face > 0 ? face : (source.info.width + 3) / 4;
+  const bool cubemap = wants_cubemap(options.output, face > 0);
+  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, cubemap);
+  const int asked = options.output.size;
+  const int size = asked > 0 ? asked : face > 0 ? face : (source.info.width + 3) / 4;  // of a cubemap
+  const int width = asked > 0 ? asked : face > 0 ? 4 * face : source.info.width;       // of a lat-long
+  const int height = asked > 0 || face > 0 ? lat_long_height(width) : source.info.height;
+  const bool same_shape =
+      cubemap ? face == size : face == 0 && width == source.info.width && height == source.info.height;
   const Control last = part_of(control, kResampled, 1.0);
-  if (face == size && rotation == glm::dmat3(1.0)) {
-    const CubemapView whole = source.cubemap();
-    tone_map(
-        options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
-    return write_output(options.output, whole, last);
-  }
-  require_memory(options.common, options.output, 6 * square(size), values_of(source).size() / 3);
-  const Control middle = part_of(control, kRead, kResampled);
-  begin_stage("resample");
-  Cubemap result = to_cubemap(source.view(), size, rotation, ResampleFilter::area, middle);
-  tone_map(
-      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels());
-  return write_output(options.output, result.view(), last);
-}
-
-std::string write_lat_long(const ConvertOptions& options, const Environment& source, const Control& control) {
-  const int face = source.face_size();
-  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, false);
-  const int size = options.output.size;
-  const int width = size > 0 ? size : face > 0 ? 4 * face : source.info.width;
-  const int height = size > 0 || face > 0 ? lat_long_height(width) : source.info.height;
-  const Control last = part_of(control, kResampled, 1.0);
-  const bool same_shape = face == 0 && width == source.info.width && height == source.info.height;
   if (same_shape && rotation == glm::dmat3(1.0)) {
-    const LatLongView whole = source.lat_long();
-    tone_map(
-        options, [&](int reduced) { return to_cubemap(whole, reduced); }, values_of(source));
-    return write_output(options.output, whole, last);
+    tone_map(options, source.view(), values_of(source));
+    return write_output(options.output, source.view(), last);
   }
-  require_memory(options.common, options.output, static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height),
-                 values_of(source).size() / 3);
+  const std::uint64_t texels =
+      cubemap ? 6 * square(size) : static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  require_memory(options.common, options.output, texels, values_of(source).size() / 3);
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
-  LatLongImage result = to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, middle);
-  tone_map(
-      options, [&](int reduced) { return to_cubemap(result.view(), reduced); }, result.pixels);
+  Pixels result;
+  result.is_cubemap = cubemap;
+  if (cubemap) {
+    result.cubemap = to_cubemap(source.view(), size, rotation, ResampleFilter::area, middle);
+  } else {
+    result.lat_long = to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, middle);
+  }
+  tone_map(options, result.view(), result.values());
   return write_output(options.output, result.view(), last);
 }
 
@@ -273,14 +232,12 @@ std::string convert(const ConvertOptions& options, const Control& control) {
     sun = extract_sun(source, options.sun.options);
     if (sun) sun->direction = light_rotation(options.orientation, is_cubemap) * sun->direction;
   }
-  const std::string written = wants_cubemap(options.output, is_cubemap) ? write_cubemap(options, source, control)
-                                                                        : write_lat_long(options, source, control);
-  return written +
+  return write_converted(options, source, control) +
          (options.sun.take_out ? sun_text(sun, convention(options.orientation.to).from_welkin[1].z > 0.5) : "");
 }
 
 void run_convert(ConvertOptions& options) {
-  const std::string out = Output::name_of_output(options.output);
+  const std::string out = name_of_output(options.output);
   const bool png = same_word(platform::utf8(platform::path_of(out).extension()), ".png");
   if (options.tone_map && !png) {
     throw Error(ErrorCode::invalid_argument,
@@ -295,10 +252,10 @@ void run_convert(ConvertOptions& options) {
 constexpr int kFaceSize = 512;
 constexpr int kLatLongWidth = 2048;
 
-struct TestmapOptions {
+struct DrawingOptions {
   CommonOptions common;
   OutputOptions output;
-  OrientationOptions orientation;  ///< its `to` alone
+  OrientationOptions orientation;  ///< of the test map, its `to` alone
 };
 
 constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
@@ -321,7 +278,7 @@ std::string draw_and_write(const CommonOptions& common, const OutputOptions& out
   return write_output(output, draw(part_of(control, 0.0, kDrawn)).view(), part_of(control, kDrawn, 1.0));
 }
 
-std::string draw_testmap(const TestmapOptions& options, const Control& control) {
+std::string draw_testmap(const DrawingOptions& options, const Control& control) {
   const OutputOptions& output = options.output;
   const bool cubemap = wants_cubemap(output, false);
   const int size = output.size > 0 ? output.size : cubemap ? kFaceSize : kLatLongWidth;
@@ -342,12 +299,7 @@ std::string new_file(const std::string& name) {
   throw Error(ErrorCode::file_access, name + ": is there already; '-o " + name + "' replaces it, or name another file");
 }
 
-struct SampleOptions {
-  CommonOptions common;
-  OutputOptions output;
-};
-
-std::string draw_sample(const SampleOptions& options, const Control& control) {
+std::string draw_sample(const DrawingOptions& options, const Control& control) {
   constexpr int kWidth = 1024;
   const int width = options.output.size > 0 ? options.output.size : kWidth;
   return draw_and_write(options.common, options.output, false, width, control,
@@ -388,7 +340,7 @@ Command convert_command() {
 }
 
 Command testmap_command() {
-  const auto options = std::make_shared<TestmapOptions>();
+  const auto options = std::make_shared<DrawingOptions>();
   Command command{"testmap", "Make an environment that shows its orientation", embedded_text("help/testmap.txt")};
   Options& table = command.options;
   add_option(table, "-o,--output", &options->output.path, "OUT",
@@ -411,7 +363,7 @@ Command testmap_command() {
 }
 
 Command sample_command() {
-  const auto options = std::make_shared<SampleOptions>();
+  const auto options = std::make_shared<DrawingOptions>();
   Command command{"sample", "Make an environment to try the other commands with", embedded_text("help/sample.txt")};
   Options& table = command.options;
   add_option(table, "-o,--output", &options->output.path, "OUT",

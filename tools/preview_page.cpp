@@ -1,5 +1,4 @@
-#include "tools/preview_page.h"
-
+// A page on which a person turns spheres and a knot in the light that was baked.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "embedded_texts.h"
 #include "jobs/control.h"
+#include "tools/bake_manifest.h"
 #include "tools/json.h"
 #include "tools/text.h"
 #include "welkin/image.h"

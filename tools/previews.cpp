@@ -102,6 +102,23 @@ PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, in
 
 namespace {
 
+/// What the spheres of a row are made of.
+struct PreviewMaterial {
+  const char* name;           ///< in capitals
+  glm::dvec3 f0;              ///< reflectance at normal incidence, linear Rec. 709
+  glm::dvec3 diffuse_albedo;  ///< 0 for a metal
+
+  [[nodiscard]] bool is_metal() const noexcept { return diffuse_albedo == glm::dvec3(0.0); }
+};
+
+/// Rows of the picture of spheres, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
+/// model" (2011).
+constexpr std::array<PreviewMaterial, 2> kMaterials = {
+    {{"METAL", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}}, {"DIELECTRIC", {0.04, 0.04, 0.04}, {0.30, 0.30, 0.30}}}};
+
+/// Roughness of the spheres of each row, from left to right.
+constexpr std::array kRoughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
+
 /// The share of even light that a surface of one roughness reflects without the light entering it, by N.V.
 class SpecularAlbedo {
  public:
@@ -254,30 +271,18 @@ void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& 
 
 }  // namespace
 
-std::span<const double> preview_roughness() noexcept {
-  static constexpr std::array<double, 6> roughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
-  return roughness;
-}
-
-std::span<const PreviewMaterial> preview_materials() noexcept {
-  static constexpr std::array<PreviewMaterial, 2> materials = {
-      {{"METAL", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}}, {"DIELECTRIC", {0.04, 0.04, 0.04}, {0.30, 0.30, 0.30}}}};
-  return materials;
-}
-
 PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
   const Light lit(light, sphere);
   const Grid grid{sphere};
   std::vector<const PreviewMaterial*> rows;
-  for (const PreviewMaterial& material : preview_materials()) {
+  for (const PreviewMaterial& material : kMaterials) {
     if (material.is_metal() || lit.has_irradiance()) rows.push_back(&material);
   }
-  const std::span<const double> roughness = preview_roughness();
   std::vector<SphereColumn> columns;
-  for (std::size_t column = 0; column < roughness.size(); ++column) {
-    columns.push_back({lit.mip_of(roughness[column]), grid.centre(static_cast<int>(column), 0), 0.5 * sphere, {}});
+  for (std::size_t column = 0; column < kRoughness.size(); ++column) {
+    columns.push_back({lit.mip_of(kRoughness[column]), grid.centre(static_cast<int>(column), 0), 0.5 * sphere, {}});
     for (std::size_t row = 0; row < rows.size(); ++row) {
-      columns.back().spheres.push_back({*rows[row], SpecularAlbedo(*rows[row], roughness[column], lit.brdf()),
+      columns.back().spheres.push_back({*rows[row], SpecularAlbedo(*rows[row], kRoughness[column], lit.brdf()),
                                         static_cast<int>(row) * grid.row_height()});
     }
   }
@@ -289,7 +294,7 @@ PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map,
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const glm::dvec2 centre = grid.centre(static_cast<int>(column), static_cast<int>(row));
-      const std::string label = std::string(rows[row]->name) + ' ' + significant(roughness[column], 2);
+      const std::string label = std::string(rows[row]->name) + ' ' + significant(kRoughness[column], 2);
       picture.write(label, centre.x, centre.y + 0.5 * sphere + 1.8 * grid.letters(), grid.letters());
     }
   }

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <glm/vec3.hpp>
-#include <span>
 #include <vector>
 
 #include "tools/preview_light.h"
@@ -23,22 +21,6 @@ namespace welkin::tool {
 /// `light` must have its specular chain; `height` is that of each.
 [[nodiscard]] PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, int height,
                                           const Control& control = {});
-
-/// What the spheres of a row are made of.
-struct PreviewMaterial {
-  const char* name;           ///< in capitals
-  glm::dvec3 f0;              ///< reflectance at normal incidence, linear Rec. 709
-  glm::dvec3 diffuse_albedo;  ///< 0 for a metal
-
-  [[nodiscard]] bool is_metal() const noexcept { return diffuse_albedo == glm::dvec3(0.0); }
-};
-
-/// Rows of the picture of spheres, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
-/// model" (2011).
-[[nodiscard]] std::span<const PreviewMaterial> preview_materials() noexcept;
-
-/// Roughness of the spheres of each row, from left to right.
-[[nodiscard]] std::span<const double> preview_roughness() noexcept;
 
 /// Rows of spheres on a dark ground: a material a row, a roughness a column, both written beside them. The viewer looks
 /// along -z from far away: +x is to the right, and the spheres mirror what is behind the viewer, the lat-long's centre.

@@ -1,5 +1,3 @@
-#include "tools/sample_room.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +10,10 @@
 
 #include "image/geometry.h"
 #include "image/pixels.h"
+#include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "math/elementary.h"
+#include "tools/test_map.h"
 
 namespace welkin {
 namespace {
@@ -290,12 +290,6 @@ struct Side {
   dvec3 normal{0.0};
 };
 
-/// The part [from, to] of a control's progress.
-Control part_of(const Control& control, double from, double to) {
-  if (!control.progress) return {control.stop, {}};
-  return {control.stop, [&control, from, to](double done) { control.progress(glm::mix(from, to, done)); }};
-}
-
 class LitRoom {
  public:
   LitRoom(double square_m, const Control& control) : boxes_(scene()), square_m_(square_m) {
@@ -304,7 +298,7 @@ class LitRoom {
     }
     soft_.resize(squares_.size());
     std::vector<dvec3> sun(squares_.size());
-    each_square(part_of(control, 0.0, 0.4), [&](std::size_t k) {
+    each_square(jobs::part_of(control, 0.0, 0.4), [&](std::size_t k) {
       soft_[k] = from_lamps(squares_[k]) + from_window(squares_[k]);
       sun[k] = sun_on(squares_[k].place, squares_[k].normal);
     });
@@ -313,7 +307,7 @@ class LitRoom {
     std::vector<dvec3> gathered(squares_.size());
     for (int pass = 0; pass < kReflections; ++pass) {
       for (std::size_t k = 0; k < sun.size(); ++k) soft_[k] += sun[k];
-      each_square(part_of(control, 0.4 + 0.2 * pass, 0.6 + 0.2 * pass),
+      each_square(jobs::part_of(control, 0.4 + 0.2 * pass, 0.6 + 0.2 * pass),
                   [&](std::size_t k) { gathered[k] = gather(squares_[k]); });
       soft_ = direct;
       for (const Face& face : faces_) add_means(face, gathered);
@@ -469,13 +463,13 @@ LatLongImage sample_room(int width, int height, const Control& control) {
   image::check_lat_long_size(width, height);
   constexpr double kLit = 0.6;                                 // share of the time
   const double square_m = std::clamp(20.0 / width, 0.1, 0.3);  // finer than texels show
-  const LitRoom room(square_m, part_of(control, 0.0, kLit));
+  const LitRoom room(square_m, jobs::part_of(control, 0.0, kLit));
   LatLongImage picture{
       width, height,
       std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
   const int samples = std::clamp(2048 / width, 2, 4);  // along a texel's edge
   const auto where = jobs::Placement::arena;
-  jobs::run_tiles(static_cast<std::size_t>(height), where, jobs::worker_count(where), part_of(control, kLit, 1.0),
+  jobs::run_tiles(static_cast<std::size_t>(height), where, jobs::worker_count(where), jobs::part_of(control, kLit, 1.0),
                   [&](std::size_t row, std::size_t) {
                     float* texel = picture.pixels.data() + row * static_cast<std::size_t>(width) * 3;
                     for (int column = 0; column < width; ++column, texel += 3) {

@@ -153,9 +153,8 @@ ShReport measure_sh(const ShOptions& options, const Control& control) {
 void run(ShOptions options) {
   options.clamp.apply(options.projection.pixels);
   if (options.target_size > 0) options.projection.target_size = options.target_size;
-  print_result(with_bar(options.common, [&](const Control& control) {
-    return sh_formatted(measure_sh(options, control), options.format);
-  }));
+  print_result(
+      with_bar(options.common, [&](const Control& control) { return options.format(measure_sh(options, control)); }));
 }
 
 }  // namespace
@@ -163,15 +162,15 @@ void run(ShOptions options) {
 void add_format_options(Options& table, ShOptions& options) {
   constexpr const char* kFormat = "--format";
   table.push_back(choice<ShFormat>(kFormat, options.format,
-                                   {{"table", ShFormat::table},
-                                    {"json", ShFormat::json},
-                                    {"text", ShFormat::text},
-                                    {"c", ShFormat::c_header},
-                                    {"glsl", ShFormat::glsl},
-                                    {"cs", ShFormat::c_sharp}},
+                                   {{"table", sh_table},
+                                    {"json", sh_json},
+                                    {"text", sh_text},
+                                    {"c", sh_c_header},
+                                    {"glsl", sh_glsl},
+                                    {"cs", sh_c_sharp}},
                                    "A readable table, JSON, a line per coefficient, a C header, a GLSL function in "
                                    "the axes of --for, or C# for --for unity; default table"));
-  add_option(table, "--json", OnFlag([&options] { options.format = ShFormat::json; }), "", "The same as --format json",
+  add_option(table, "--json", OnFlag([&options] { options.format = sh_json; }), "", "The same as --format json",
              {.excludes = {kFormat}});
 }
 
@@ -182,10 +181,7 @@ void add_bands_option(Options& table, ShOptions& options) {
 
 void add_window_options(Options& table, ShOptions& options) {
   table.push_back(choice<Window>("--window", options.window,
-                                 {{name(Window::none), Window::none},
-                                  {name(Window::hanning), Window::hanning},
-                                  {name(Window::lanczos), Window::lanczos},
-                                  {name(Window::min_laplacian), Window::min_laplacian}},
+                                 by_name({Window::none, Window::hanning, Window::lanczos, Window::min_laplacian}),
                                  "Damp the higher bands against ringing; default none; min-laplacian damps only as "
                                  "much as keeps irradiance from going below 0"));
   add_option(table, "--window-width", &options.window_width, "W",
@@ -210,18 +206,6 @@ void complete(ShReport& report, const ShOptions& options) {
   report.irradiance = irradiance_from_radiance(radiance);
   report.polynomial = babylon_polynomial(radiance);
   if (has_engine_light(report.engine)) report.engine_light = engine_light_unrotated(radiance, report.engine);
-}
-
-std::string sh_formatted(const ShReport& report, ShFormat format) {
-  switch (format) {
-    case ShFormat::json: return sh_json(report);
-    case ShFormat::text: return sh_text(report);
-    case ShFormat::c_header: return sh_c_header(report);
-    case ShFormat::glsl: return sh_glsl(report);
-    case ShFormat::c_sharp: return sh_c_sharp(report);
-    case ShFormat::table: break;
-  }
-  return sh_table(report);
 }
 
 Command sh_command() {

@@ -7,7 +7,6 @@
 
 #include "tools/arguments.h"
 #include "tools/input.h"
-#include "tools/orientation.h"
 #include "tools/sky_model.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
@@ -42,21 +41,21 @@ struct ShReport {
 /// Of the harmonics: how texels are integrated, or along which directions a sky is looked at.
 [[nodiscard]] const char* quadrature_name(const ShReport& report) noexcept;
 
+// The forms.
+using ShFormat = std::string (*)(const ShReport& report);
 [[nodiscard]] std::string sh_json(const ShReport& report);
 [[nodiscard]] std::string sh_table(const ShReport& report);
 [[nodiscard]] std::string sh_text(const ShReport& report);      ///< a line a coefficient, # before remarks
 [[nodiscard]] std::string sh_c_header(const ShReport& report);  ///< arrays of float, for an #include
 [[nodiscard]] std::string sh_glsl(const ShReport& report);      ///< nine vec3 and the function that evaluates them
-/// A class with a SphericalHarmonicsL2 for Unity, whose form the report must have.
+/// A class with a SphericalHarmonicsL2 for Unity. Throws `Error` (invalid_argument) if the report has not its form.
 [[nodiscard]] std::string sh_c_sharp(const ShReport& report);
-
-enum class ShFormat { table, json, text, c_header, glsl, c_sharp };
 
 struct ShOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: the built-in sky
   bool sky = false;                  ///< `--sky`; the command wants either this or an input
-  ShFormat format = ShFormat::table;
+  ShFormat format = sh_table;
   ProjectionOptions projection;
   int target_size = 0;  ///< 0: none
   ClampChoice clamp;
@@ -76,8 +75,5 @@ void add_window_options(Options& table, ShOptions& options);
 /// Fills in what follows from `report.projection.radiance`, which is in the result's axes, and from the options:
 /// window, dominant light, irradiance, the forms of engines.
 void complete(ShReport& report, const ShOptions& options);
-
-/// Throws `Error` (invalid_argument) for C# of another engine than Unity.
-[[nodiscard]] std::string sh_formatted(const ShReport& report, ShFormat format);
 
 }  // namespace welkin::tool

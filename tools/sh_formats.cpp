@@ -90,13 +90,8 @@ std::string source_lines(const ShReport& report) {
 }
 
 /// The text's lines, each behind `prefix`.
-std::string prefixed(const char* prefix, const std::string& text) {
-  std::string lines = prefix;
-  for (const char c : text) {
-    lines += c;
-    if (c == '\n') lines += prefix;
-  }
-  return lines + '\n';
+std::string prefixed(const std::string& prefix, const std::string& text) {
+  return prefix + replaced(text, "\n", "\n" + prefix) + '\n';
 }
 
 std::string engine_lines(const EngineLight& light) {
@@ -229,11 +224,7 @@ Json source_json(const Source& source) {
           {"height", source.height}, {"format", source.format}, {"notes", source.notes}};
 }
 
-Json coefficients_json(const SphericalHarmonics& harmonics) {
-  Json list = Json::array();
-  for (const glm::dvec3& rgb : harmonics.coefficients()) list.push_back(json_triple(rgb));
-  return list;
-}
+Json coefficients_json(const SphericalHarmonics& harmonics) { return json_list(harmonics.coefficients(), json_triple); }
 
 Json babylon_json(const BabylonPolynomial& polynomial) {
   return {{"x", json_triple(polynomial.x)},   {"y", json_triple(polynomial.y)},   {"z", json_triple(polynomial.z)},
@@ -254,11 +245,9 @@ Json settings_json(const ShReport& report) {
 
 Json diagnostics_json(const ShReport& report) {
   const ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
-  Json passes = Json::array();
-  for (const PassRecord& pass : diagnostics.passes) {
-    passes.push_back(
-        {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}});
-  }
+  const Json passes = json_list(diagnostics.passes, [](const PassRecord& pass) -> Json {
+    return {{"name", pass.name}, {"action", name(pass.action)}, {"reason", pass.reason}, {"ms", pass.milliseconds}};
+  });
   return {{"texels", diagnostics.texels},
           {"replaced", diagnostics.nans_replaced + diagnostics.infinities_replaced + diagnostics.negatives_replaced},
           {"nans_replaced", diagnostics.nans_replaced},
@@ -321,12 +310,9 @@ Json sun_json(const std::optional<Sun>& sun) {
 }
 
 Json irradiance_errors_json(const std::vector<IrradianceError>& errors) {
-  Json list = Json::array();
-  for (const IrradianceError& error : errors) {
-    list.push_back(
-        {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}});
-  }
-  return list;
+  return json_list(errors, [](const IrradianceError& error) -> Json {
+    return {{"bands", error.bands}, {"rms", error.rms}, {"maximum", error.maximum}, {"relative", error.relative}};
+  });
 }
 
 }  // namespace
@@ -438,19 +424,9 @@ std::string float_constant(double value, const char* suffix = "f") {
 }
 
 /// Nothing in it can end the comment that it stands in.
-std::string in_comment(std::string text) {
-  for (std::size_t i = 0; (i = text.find("*/", i)) != std::string::npos;) text.replace(i, 2, "* /");
-  return text;
-}
+std::string in_comment(const std::string& text) { return replaced(text, "*/", "* /"); }
 
-std::string comment(const std::string& text) {
-  std::string lines = "/* ";
-  for (const char c : in_comment(text)) {
-    lines += c;
-    if (c == '\n') lines += " * ";
-  }
-  return lines + " */\n";
-}
+std::string comment(const std::string& text) { return "/* " + replaced(in_comment(text), "\n", "\n * ") + " */\n"; }
 
 std::string row(const glm::dvec4& value, const std::string& name) {
   return "  {" + float_constant(value.x) + ", " + float_constant(value.y) + ", " + float_constant(value.z) + ", " +

@@ -343,9 +343,7 @@ void add_table_options(Options& table, SkyOptions& options) {
 void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
   table.push_back(choice<SkyQuadrature>(
       "--quadrature", options.quadrature,
-      {{name(SkyQuadrature::uniform), SkyQuadrature::uniform},
-       {name(SkyQuadrature::gauss), SkyQuadrature::gauss},
-       {name(SkyQuadrature::gauss_split), SkyQuadrature::gauss_split}},
+      by_name({SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}),
       "Directions of the projection: uniform in angles; Gauss nodes; or those with the glow around "
       "the sun integrated separately (default)"));
   const auto set_counts = [&options](const std::vector<int>& counts) {
@@ -435,7 +433,7 @@ void settle(SkyOptions& options, const Given& given) {
   }
   options.wants_folder = given("-o");
   options.bake.common = options.sh.common;
-  options.bake.common.json = options.sh.format == ShFormat::json;
+  options.bake.common.json = options.sh.format == sh_json;
   options.bake.orientation.to = options.sh.orientation.to;
   options.bake.bake.bands = options.sh.projection.bands;
   options.bake.picture_name = "sky.exr";
@@ -525,7 +523,7 @@ std::string answer(const SkyOptions& options, const Control& control) {
   }
   if (!options.sweep.path.empty()) return write_sweep(options.sky, options.sweep, control);
   if (options.wants_folder) return bake_sky(options, control);
-  return sh_formatted(measure_sky(options, control), options.sh.format);
+  return options.sh.format(measure_sky(options, control));
 }
 
 void run(SkyOptions& options, const Given& given) {
@@ -533,8 +531,7 @@ void run(SkyOptions& options, const Given& given) {
   const std::string text =
       with_bar(options.sh.common, [&](const Control& control) { return answer(options, control); });
   const bool to_files = options.wants_folder || !options.sweep.path.empty();
-  to_files&& options.sh.format != ShFormat::json && !options.print_atmosphere ? print_summary(text)
-                                                                              : print_result(text);
+  to_files&& options.sh.format != sh_json && !options.print_atmosphere ? print_summary(text) : print_result(text);
 }
 
 }  // namespace

@@ -21,15 +21,13 @@ const char* name(AerosolPhase phase) noexcept {
 }
 
 Json layers_json(const std::vector<DensityLayer>& layers) {
-  Json list = Json::array();
-  for (const DensityLayer& layer : layers) {
-    list.push_back({{"thickness_m", layer.thickness_m},
-                    {"exponential_term", layer.exponential_term},
-                    {"exponential_scale_per_m", layer.exponential_scale_per_m},
-                    {"linear_term_per_m", layer.linear_term_per_m},
-                    {"constant_term", layer.constant_term}});
-  }
-  return list;
+  return json_list(layers, [](const DensityLayer& layer) -> Json {
+    return {{"thickness_m", layer.thickness_m},
+            {"exponential_term", layer.exponential_term},
+            {"exponential_scale_per_m", layer.exponential_scale_per_m},
+            {"linear_term_per_m", layer.linear_term_per_m},
+            {"constant_term", layer.constant_term}};
+  });
 }
 
 Json constituent_json(const Constituent& constituent) {
@@ -118,8 +116,6 @@ Atmosphere read_atmosphere(const std::filesystem::path& path) {
 }  // namespace
 
 Json atmosphere_json(const Atmosphere& atmosphere) {
-  Json absorbers = Json::array();
-  for (const Constituent& absorber : atmosphere.absorbers) absorbers.push_back(constituent_json(absorber));
   return {{"name", atmosphere.name},
           {"wavelengths_nm", atmosphere.wavelengths_nm},
           {"bottom_radius_m", atmosphere.bottom_radius_m},
@@ -129,7 +125,7 @@ Json atmosphere_json(const Atmosphere& atmosphere) {
           {"aerosol_phase", name(atmosphere.aerosol_phase)},
           {"aerosol_asymmetry", atmosphere.aerosol_asymmetry},
           {"aerosol_asymmetries", atmosphere.aerosol_asymmetries},
-          {"absorbers", absorbers},
+          {"absorbers", json_list(atmosphere.absorbers, constituent_json)},
           {"ground_albedo", atmosphere.ground_albedo},
           {"solar_irradiance", atmosphere.solar_irradiance},
           {"sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees},

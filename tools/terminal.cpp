@@ -128,12 +128,4 @@ std::string ProgressBar::time_left(double share) const {
   return "  " + std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s left";
 }
 
-Control part_of(const Control& control, double from, double to) {
-  Control part{control.stop, {}};
-  if (control.progress) {
-    part.progress = [&control, from, to](double done) { control.progress(from + (to - from) * done); };
-  }
-  return part;
-}
-
 }  // namespace welkin::tool

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "jobs/control.h"
 #include "welkin/core.h"
 
 namespace welkin::tool {
@@ -54,8 +55,7 @@ void print_summary(const std::string& text);
 /// taken for a result. Throws `Error` (file_access) if it cannot be written (a full disk, say).
 void print_result(const std::string& text);
 
-/// The part [from, to] of a control's progress, and its stop token. `control` must outlive what is returned.
-[[nodiscard]] Control part_of(const Control& control, double from, double to);
+using jobs::part_of;
 
 /// Gives /dev/null the numbers of standard input, output and error where the caller has closed them, so that no file
 /// that is opened gets them and is written into. Reading and writing them fails as before. On Windows the streams get

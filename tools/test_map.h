@@ -1,4 +1,5 @@
-// An environment that shows by itself how it is turned.
+// Environments that are drawn: one that shows by itself how it is turned, and a living room in the evening sun to try
+// Welkin with.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -26,5 +27,12 @@ struct TestMapAxes {
 
 /// The same as a cubemap in the frames of `CubemapView`.
 [[nodiscard]] Cubemap test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
+
+/// Draws a room of diffuse boxes as a viewer in its middle sees it: a window to the west (+x, the left quarter of the
+/// picture) with the low sun and the sky, a floor lamp, and three bulbs over a table. Light is reflected three times.
+/// Radiance runs from 0.001 in dark corners to 30 000 in the sun's disc, in no particular unit.
+/// `width` x `height`: texels of the picture. The same bits on every machine. Throws `Error`: invalid_argument for
+/// sizes out of LatLongView's range, cancelled.
+[[nodiscard]] LatLongImage sample_room(int width, int height, const Control& control = {});
 
 }  // namespace welkin

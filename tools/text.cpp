@@ -54,6 +54,13 @@ std::string counted(std::initializer_list<Count> counts) {
   return joined(texts);
 }
 
+std::string replaced(std::string text, std::string_view what, std::string_view with) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += with.size()) {
+    text.replace(at, what.size(), with);
+  }
+  return text;
+}
+
 std::string duration(double milliseconds) {
   if (milliseconds < 999.5) return rough(milliseconds) + " ms";
   return rough(milliseconds / 1000.0) + " s";

@@ -57,6 +57,9 @@ template <class Values, class Words>
       words, [](const std::string& word) { return word; }, between);
 }
 
+/// The text with `with` in the place of each `what`.
+[[nodiscard]] std::string replaced(std::string text, std::string_view what, std::string_view with);
+
 /// A duration with its unit: "0.21 ms", "3.4 s".
 [[nodiscard]] std::string duration(double milliseconds);
 
