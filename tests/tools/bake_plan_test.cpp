@@ -13,7 +13,7 @@ using namespace welkin::test;
 
 namespace {
 
-constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 --formats ktx2 ";
+constexpr const char* kSmall = " --size 16 --irradiance 8 --brdf 16 --formats ktx2 --preview-size 16 ";
 
 std::filesystem::path needs_file(const TemporaryDirectory& folder, const std::string& text) {
   std::ofstream(folder.path() / "needs.json") << text;
@@ -28,9 +28,10 @@ bool has(const std::filesystem::path& folder, const std::string& name) {
 
 TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "[command][plan][slow]") {
   const TemporaryDirectory folder;
-  bake_into(folder.path() / "all", "--sky" + std::string(kSmall));
+  bake_into(folder.path() / "all", small_picture() + kSmall);
   const std::filesystem::path needs = needs_file(folder, R"({"glossy": null, "diffuse_bands": 3})");
-  const nlohmann::json manifest = bake_into(folder.path() / "some", kSmall + ("--sky --needs " + quoted(needs)));
+  const nlohmann::json manifest =
+      bake_into(folder.path() / "some", small_picture() + kSmall + "--needs " + quoted(needs));
   for (const char* name : {"background.ktx2", "sh.json"}) {
     INFO(name);
     CHECK(file_text(folder.path() / "some" / name) == file_text(folder.path() / "all" / name));
@@ -53,9 +54,9 @@ TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "
 
 TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan][slow]") {
   const TemporaryDirectory folder;
-  const nlohmann::json all = bake_into(folder.path() / "all", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2");
-  const nlohmann::json some =
-      bake_into(folder.path() / "some", "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --glossy 0.6,1");
+  const std::string bake = "--sky --size 32 --roughness 0,0.3,0.6,1 --formats ktx2 --no-previews";
+  const nlohmann::json all = bake_into(folder.path() / "all", bake);
+  const nlohmann::json some = bake_into(folder.path() / "some", bake + " --glossy 0.6,1");
   REQUIRE(some.at("specular").size() == 2);
   CHECK(some.at("specular")[0].at("mean") == all.at("specular")[2].at("mean"));
   CHECK(file_of(some, "specular.ktx2").at("size") == 8);
@@ -64,13 +65,13 @@ TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]
 
 TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   const TemporaryDirectory folder;
-  const std::string bake = "bake --sky" + std::string(kSmall) + "--no-glossy -o " + quoted(folder.path() / "out");
+  const std::string bake = "bake " + small_picture() + kSmall + "--no-glossy -o " + quoted(folder.path() / "out");
   const CommandResult ahead = run_welkin(bake + " --plan-only");
   CHECK(ahead.exit_code == 0);
   CHECK(contains(ahead.output, "no glossy materials"));
   CHECK(!std::filesystem::exists(folder.path() / "out"));
   const nlohmann::json plan = json_of(run_welkin(bake + " --plan-only --json").output);
-  CHECK(plan.at("passes").size() == 7);
+  CHECK(plan.at("passes").size() == 8);
   const CommandResult after = run_welkin(bake + " --explain");
   INFO(after.errors);
   CHECK(after.exit_code == 0);
@@ -78,15 +79,13 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   CHECK(!contains(after.errors, "measured ms"));
   CHECK(contains(after.output, "measured ms"));
   const CommandResult json = run_welkin(bake + " --explain --json");
-  CHECK(json_of(json.output).at("plan").at("passes").size() == 7);
+  CHECK(json_of(json.output).at("plan").at("passes").size() == 8);
 }
 
 TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {
   const TemporaryDirectory folder;
   const auto options_of = [&](const std::string& budget) {
-    return bake_into(folder.path() / "out",
-                     "--sky --size 16 --irradiance 8 --brdf 16 --formats ktx2 --no-previews --error-budget " + budget)
-        .at("options");
+    return bake_into(folder.path() / "out", small_picture() + kSmall + "--error-budget " + budget).at("options");
   };
   for (const auto& [budget, bands] : {std::pair("0.09", 3), std::pair("0.03", 7), std::pair("0.01", 15)}) {
     INFO(budget);
@@ -154,19 +153,12 @@ bool notes_say(const nlohmann::json& report, const std::string& part) {
   return false;
 }
 
-/// Written by `testmap`, so that there is a file.
-std::filesystem::path environment(const TemporaryDirectory& folder) {
-  std::filesystem::path path = folder.path() / "map.hdr";
-  REQUIRE(run_welkin("testmap -o " + quoted(path)).exit_code == 0);
-  return path;
-}
-
 }  // namespace
 
 TEST_CASE("A bake with a cache gives the same files, and the second time makes none of them",
           "[command][cache][slow]") {
   const TemporaryDirectory folder;
-  const std::string bake = quoted(environment(folder)) + kSmallKept;
+  const std::string bake = small_picture() + kSmallKept;
   const nlohmann::json without = bake_into(folder.path() / "without", bake);
   const nlohmann::json first = bake_into(folder.path() / "first", bake + with_cache(folder));
   const nlohmann::json second = bake_into(folder.path() / "second", bake + with_cache(folder));
@@ -191,11 +183,11 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
 
 TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command][cache][slow]") {
   const TemporaryDirectory folder;
-  const std::string map = quoted(environment(folder));
   std::ofstream(folder.path() / "cache") << "a file, where a folder should be";
-  bake_into(folder.path() / "without", map + kSmallKept);
-  const nlohmann::json manifest = bake_into(folder.path() / "with", map + kSmallKept + with_cache(folder));
+  bake_into(folder.path() / "without", small_picture() + kSmallKept);
+  const nlohmann::json manifest = bake_into(folder.path() / "with", small_picture() + kSmallKept + with_cache(folder));
   CHECK(same_folders(folder.path() / "without", folder.path() / "with"));
   CHECK(notes_say(manifest, "the cache could not keep all results"));
-  CHECK(notes_say(run_sh_json(map + ' ' + with_cache(folder)).at("source"), "the cache could not keep all results"));
+  CHECK(notes_say(run_sh_json(small_picture() + ' ' + with_cache(folder)).at("source"),
+                  "the cache could not keep all results"));
 }

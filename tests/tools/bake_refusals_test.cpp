@@ -18,8 +18,8 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
           "[tools][bake][posix][slow]") {
   const TemporaryDirectory scratch;
   const auto own = scratch.path() / "own";
-  const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3" + std::string(kSmall);
-  bake_into(own, "--sky" + all);
+  const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3 --preview-size 16" + std::string(kSmall);
+  bake_into(own, small_picture() + all);
   const auto refused = [&](const std::string& input, const std::string& folder, const std::string& options,
                            const std::filesystem::path& kept) {
     const std::string before = file_text(kept);

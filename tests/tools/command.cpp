@@ -2,6 +2,7 @@
 
 #include "places.h"
 #include "support/catch.h"
+#include "support/pictures.h"
 #include "tools/baked_folder.h"
 
 namespace welkin::test {
@@ -51,6 +52,19 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
     const float* values = rgb.data() + static_cast<std::size_t>(row) * row_values;
     file.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(row_values * sizeof(float)));
   }
+}
+
+const std::string& small_picture() {
+  static const TemporaryDirectory folder;
+  static const std::string path = [] {
+    const glm::dvec3 lamp = glm::normalize(glm::dvec3(0.5, 0.4, 0.8));
+    const LatLongImage light = lat_long_of(64, 32, [&](const glm::dvec3& d) {
+      return glm::dvec3(1.5, 1.2, 1.0) + glm::dvec3(4.0, 5.0, 6.0) * std::exp(8.0 * (glm::dot(d, lamp) - 1.0));
+    });
+    write_pfm(folder.file("light.pfm"), light.width, light.height, light.pixels);
+    return quoted(folder.file("light.pfm"));
+  }();
+  return path;
 }
 
 std::vector<float> grey_picture(int width, int height, float value) {

@@ -2,6 +2,7 @@
 
 #include "files/env.h"
 #include "support/chains.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -92,23 +93,6 @@ double difference(std::span<const float> wanted, std::span<const float> got) {
   return std::sqrt(error / all);
 }
 
-/// Light without edges, from one side more than from the others.
-LatLongImage smooth_picture(int height) {
-  LatLongImage picture{2 * height, height, {}};
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < 2 * height; ++column) {
-      const double latitude = 1.5707963 - 3.14159265 * (row + 0.5) / height;
-      const double longitude = 3.14159265 - 3.14159265 * (column + 0.5) / height;
-      const double x = std::cos(latitude) * std::sin(longitude);
-      const double y = std::sin(latitude);
-      const double z = std::cos(latitude) * std::cos(longitude);
-      for (const double value : {2.0 + x + 0.5 * y * z, 1.5 + y - 0.4 * x * z, 1.0 + 0.8 * z + 0.3 * x * y * z})
-        picture.pixels.push_back(static_cast<float>(value));
-    }
-  }
-  return picture;
-}
-
 std::size_t number_at(const std::string& bytes, std::size_t at) {
   std::size_t value = 0;
   for (std::size_t k = 4; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes.at(at + k));
@@ -180,7 +164,7 @@ TEST_CASE("bake --for: each engine's folder has its files and none of the engine
   const auto folder = scratch.path() / "out";
   for (const auto& [engine, files] : folders()) {
     INFO(engine);
-    const nlohmann::json manifest = bake_into(folder, "--sky --for " + engine + kSmall);
+    const nlohmann::json manifest = bake_into(folder, small_picture() + " --for " + engine + kSmall);
     CHECK(names_in(folder) == with_common_files(engine, files));
     CHECK(names_of(manifest) == with_common_files(engine, files));
     for (const std::string& name : files) {
@@ -209,13 +193,14 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
   const TemporaryDirectory scratch;
   const auto formats = scratch.path() / "formats";
   const auto folder = scratch.path() / "folder";
-  bake_into(formats, std::string("--sky --for three --formats ktx2,dds") + kSmall);
-  bake_into(folder, std::string("--sky --for three") + kSmall);
+  const std::string bake = small_picture() + kSmall + "--no-previews --for ";
+  bake_into(formats, bake + "three --formats ktx2,dds");
+  bake_into(folder, bake + "three");
   CHECK(file_text(folder / "specular.ktx2") == file_text(formats / "specular.ktx2"));
-  bake_into(formats, std::string("--sky --for three --formats dds --ktx2-format bc6h") + kSmall);
+  bake_into(formats, bake + "three --formats dds --ktx2-format bc6h");
   CHECK(file_text(folder / "specular.dds") == file_text(formats / "specular.dds"));
-  bake_into(formats, std::string("--sky --for babylon --formats dds,env") + kSmall);
-  bake_into(scratch.path() / "babylon", std::string("--sky --for babylon") + kSmall);
+  bake_into(formats, bake + "babylon --formats dds,env");
+  bake_into(scratch.path() / "babylon", bake + "babylon");
   for (const char* name : {"specular.dds", "environment.env"}) {
     CHECK(file_text(scratch.path() / "babylon" / name) == file_text(formats / name));
   }
@@ -229,7 +214,8 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, std::string("--sky --for filament") + kSmall);
+  const std::string bake = small_picture() + " --for filament --no-previews" + kSmall;
+  bake_into(folder, bake);
   const CubemapTexture reflections = read_texture(folder / "environment_ibl.ktx");
   const CubemapTexture skybox = read_texture(folder / "environment_skybox.ktx");
   CHECK(reflections.cubemap.levels() == 5);
@@ -239,7 +225,7 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
   CHECK(std::count(text.begin(), text.end(), '\n') == 9);
   const std::vector<float> numbers = numbers_in(text);
   REQUIRE(numbers.size() == 27);
-  const nlohmann::json terms = run_sh_json("--sky --for filament").at("engine").at("terms");
+  const nlohmann::json terms = run_sh_json(small_picture() + " --for filament").at("engine").at("terms");
   std::size_t at = 0;
   for (const auto& [name, rgb] : terms.items()) {
     for (std::size_t c = 0; c < 3; ++c, ++at)
@@ -250,7 +236,7 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
   for (int c = 0; c < 3; ++c)
     CHECK(static_cast<double>(numbers[static_cast<std::size_t>(c)]) == Approx(mean_radiance[c]).epsilon(0.02));
   // Without files of harmonics they are there all the same.
-  bake_into(folder, std::string("--sky --for filament --bands 0") + kSmall);
+  bake_into(folder, bake + "--bands 0");
   CHECK(read_texture(folder / "environment_ibl.ktx").metadata.at("sh") == text);
 }
 
@@ -264,7 +250,9 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
   const TemporaryDirectory scratch;
   const auto source = scratch.path() / "source";
   std::filesystem::create_directory(source);
-  const LatLongImage picture = smooth_picture(256);
+  const LatLongImage picture = lat_long_of(512, 256, [](const dvec3& d) {
+    return dvec3(2.0 + d.x + 0.5 * d.y * d.z, 1.5 + d.y - 0.4 * d.x * d.z, 1.0 + 0.8 * d.z + 0.3 * d.x * d.y * d.z);
+  });
   write_environment(source / "environment.hdr", picture.view());
   const auto own = scratch.path() / "own";
   bake_into(own, quoted(source / "environment.hdr") +
@@ -297,11 +285,12 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
 TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irradiance over pi",
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
-  const std::string options = std::string(" --roughness linear --fit-lookups off --ktx2-format rgba32f") + kSmall;
+  const std::string options =
+      small_picture() + " --roughness linear --fit-lookups off --no-previews --ktx2-format rgba32f" + kSmall;
   const auto plain = scratch.path() / "plain";
   const auto folder = scratch.path() / "out";
-  bake_into(plain, "--sky --formats ktx2" + options);
-  bake_into(folder, "--sky --for bevy" + options);
+  bake_into(plain, options + "--formats ktx2");
+  bake_into(folder, options + "--for bevy");
   CHECK_FALSE(std::filesystem::exists(folder / "specular_bc6h.ktx2"));  // the format was named
   const Cubemap straight = read_texture(plain / "specular.ktx2").cubemap;
   const Cubemap mirrored = read_texture(folder / "specular.ktx2").cubemap;
@@ -321,7 +310,8 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  const nlohmann::json manifest = bake_into(folder, std::string("--sky --for gltf") + kSmall);
+  const std::string bake = small_picture() + " --for gltf --no-previews" + kSmall;
+  const nlohmann::json manifest = bake_into(folder, bake);
   const Glb glb(file_text(folder / "environment.glb"));
   const nlohmann::json& document = glb.document;
   CHECK(document.at("asset").at("version") == "2.0");
@@ -361,7 +351,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   // The same chain in glTF's faces, mirrored in x. RGBD ends at 255, below the sun, and is off by 1 % at most.
   const std::string list = "0," + std::to_string(std::pow(32.0, -0.25)) + ",1";
   const auto chain = scratch.path() / "chain";
-  bake_into(chain, "--sky --for gltf --formats ktx2 --ktx2-format rgba32f --roughness " + list + kSmall);
+  bake_into(chain, bake + "--formats ktx2 --ktx2-format rgba32f --roughness " + list);
   const Cubemap wanted = mirrored_x(read_texture(chain / "specular.ktx2").cubemap);
   const Cubemap got = decoded(glb, 32, 3);
   REQUIRE(wanted.levels() == 3);
@@ -377,7 +367,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
 TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, std::string("--sky --for usd") + kSmall);
+  bake_into(folder, small_picture() + " --for usd" + kSmall);
   const std::string stage = file_text(folder / "environment.usda");
   CHECK(stage.starts_with("#usda 1.0\n"));
   CHECK(contains(stage, "defaultPrim = \"Environment\""));
@@ -407,8 +397,8 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
   for (const char* engine : {"three", "gltf", "babylon", "usd"})
     refused(std::string("--ktx2-format bc6h --for ") + engine, "leave --ktx2-format out");
   const auto bevy = scratch.path() / "bevy";
-  const auto manifest =
-      bake_into(bevy, std::string("--sky --for bevy --ktx2-format bc6h --supercompression zlib") + kSmall);
+  const auto manifest = bake_into(
+      bevy, small_picture() + " --for bevy --ktx2-format bc6h --supercompression zlib --no-previews" + kSmall);
   CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 bc6h zlib");
   CHECK(contains(file_text(bevy / "README.md"), "a GPU that supports it"));
 }
@@ -416,7 +406,7 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  const std::string bake = std::string("--sky --for godot --no-previews") + kSmall;
+  const std::string bake = small_picture() + " --for godot --no-previews" + kSmall;
   bake_into(folder, bake);
   bake_into(folder, bake);  // ours is
   std::ofstream(folder / "README.md") << "# My project\n";

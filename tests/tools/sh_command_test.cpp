@@ -60,7 +60,7 @@ void require_documented_shape(const nlohmann::json& document, int bands) {
 
 TEST_CASE("sh --json: documented shape for every number of bands", "[tools][slow]") {
   for (const int bands : {1, 2, 3, 5, 16}) {
-    require_documented_shape(run_sh_json("--sky --bands " + std::to_string(bands)), bands);
+    require_documented_shape(run_sh_json(small_picture() + " --bands " + std::to_string(bands)), bands);
   }
 }
 
@@ -178,8 +178,8 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
 }  // namespace
 
 TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
-  const nlohmann::json json = run_sh_json("--sky --bands 4");
-  const CommandResult result = run_welkin("sh --sky --bands 4 --format text");
+  const nlohmann::json json = run_sh_json(small_picture() + " --bands 4");
+  const CommandResult result = run_welkin("sh " + small_picture() + " --bands 4 --format text");
   CHECK(result.exit_code == 0);
   CHECK(result.errors.empty());
   for (int l = 0; l < 4; ++l) {
@@ -193,13 +193,13 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
 }
 
 TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix][slow]") {
-  const nlohmann::json json = run_sh_json("--sky");
-  const CommandResult result = run_welkin("sh --sky --format c");
+  const nlohmann::json json = run_sh_json(small_picture());
+  const CommandResult result = run_welkin("sh " + small_picture() + " --format c");
   REQUIRE(result.exit_code == 0);
-  const std::string printed = printed_by_c(
-      result.output,
-      "  for (int i = 0; i < 9; ++i) printf(\"radiance%d %.9g %.9g %.9g\\n\", i, built_in_sky_radiance[i][0], "
-      "built_in_sky_radiance[i][1], built_in_sky_radiance[i][2]);\n");
+  const std::string printed =
+      printed_by_c(result.output,
+                   "  for (int i = 0; i < 9; ++i) printf(\"radiance%d %.9g %.9g %.9g\\n\", i, light_radiance[i][0], "
+                   "light_radiance[i][1], light_radiance[i][2]);\n");
   for (std::size_t i = 0; i < 9; ++i) {
     const glm::dvec3 expected = triple(json.at("radiance").at(i));
     const glm::dvec3 found = numbers_behind("radiance" + std::to_string(i), printed);
@@ -246,8 +246,8 @@ void check_numbers(const std::vector<float>& numbers, const EngineLight& expecte
 TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compiles", "[tools][posix][slow]") {
   for (const std::string axes : {"", " --for blender"}) {
     INFO(axes);
-    const SphericalHarmonics light = radiance_of(run_sh_json("--sky" + axes));
-    const CommandResult result = run_welkin("sh --sky --format glsl" + axes);
+    const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + axes));
+    const CommandResult result = run_welkin("sh " + small_picture() + " --format glsl" + axes);
     CHECK(result.errors.empty());
     check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_unrotated(light, Engine::welkin));
     CHECK(contains(result.output, "vec3 diffuse_light(vec3 n) {"));
@@ -264,15 +264,15 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
 }
 
 TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
-  const SphericalHarmonics light = radiance_of(run_sh_json("--sky --for unity"));
+  const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + " --for unity"));
   const CommandResult result = run_welkin("sh --sky --for unity --format cs --extract-sun");
-  check_numbers(numbers_of_rows("    {", run_welkin("sh --sky --for unity --format cs").output),
+  check_numbers(numbers_of_rows("    {", run_welkin("sh " + small_picture() + " --for unity --format cs").output),
                 engine_light_unrotated(light, Engine::unity));
   for (const char* const part : {"public static SphericalHarmonicsL2 Probe()", "using UnityEngine.Rendering;",
                                  "SunDirection = new Vector3(", "AmbientMode.Custom"}) {
     CHECK(contains(result.output, part));
   }
-  const CommandResult refused = run_welkin("sh --sky --format cs");
+  const CommandResult refused = run_welkin("sh " + small_picture() + " --format cs");
   CHECK(refused.exit_code == 2);
   CHECK(contains(refused.errors, "add --for unity"));
 }
@@ -359,23 +359,25 @@ std::vector<float> uneven_strip(int size) {
 }  // namespace
 
 TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slow]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky --bands 4"));
-  const SphericalHarmonics made = radiance_of(run_sh_json("--sky --bands 4 --yaw 90"));
+  const auto light = [](const std::string& turn) {
+    return radiance_of(run_sh_json(small_picture() + " --bands 4" + turn));
+  };
+  const SphericalHarmonics plain = light("");
+  const SphericalHarmonics made = light(" --yaw 90");
   CHECK(glm::length(made.at(1, 1) - plain.at(1, 0)) < 1e-12);
   CHECK(glm::length(made.at(1, -1) - plain.at(1, -1)) < 1e-12);
   CHECK(distance(made, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
   const std::string half = std::to_string(std::sqrt(0.5));
-  CHECK(distance(made, radiance_of(run_sh_json("--sky --bands 4 --rotation 0," + half + ",0," + half))) < 1e-12);
-  CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 30 --rotation 0,0.25881904510252074,0,"
-                                                "-0.9659258262890683"))) < 1e-12);
-  CHECK(distance(plain, radiance_of(run_sh_json("--sky --bands 4 --yaw 360"))) == 0.0);
+  CHECK(distance(made, light(" --rotation 0," + half + ",0," + half)) < 1e-12);
+  CHECK(distance(plain, light(" --yaw 30 --rotation 0,0.25881904510252074,0,-0.9659258262890683")) < 1e-12);
+  CHECK(distance(plain, light(" --yaw 360")) == 0.0);
 }
 
 TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools][slow]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json("--sky"));
+  const SphericalHarmonics plain = radiance_of(run_sh_json(small_picture()));
   for (const Convention& engine : conventions()) {
     INFO(engine.name);
-    const nlohmann::json json = run_sh_json(std::string("--sky --for ") + engine.name);
+    const nlohmann::json json = run_sh_json(small_picture() + " --for " + engine.name);
     CHECK(json.at("axes").at("engine") == engine.name);
     CHECK(distance(radiance_of(json), rotate(plain, engine.from_welkin)) < 1e-12);
   }

@@ -49,7 +49,7 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
 
 TEST_CASE("command: options may stand before their command", "[tools][posix][slow]") {
   const TemporaryDirectory folder;
-  const std::string small = " --sky --size 4 --irradiance 0 --no-brdf --no-previews ";
+  const std::string small = " " + small_picture() + " --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto baked = [&](const std::string& arguments, const char* name) {
     const CommandResult result = run_welkin(arguments, "cd " + quoted(folder.path()) + " &&");
     INFO(arguments << '\n' << result.errors);
@@ -58,16 +58,18 @@ TEST_CASE("command: options may stand before their command", "[tools][posix][slo
   };
   baked("-o out bake" + small, "out");
   baked("-q --output=other bake" + small, "other");
-  baked("--size 4 -o sh bake --sky --irradiance 0 --no-previews", "sh");  // named as a command is
+  baked("--size 4 -o sh bake " + small_picture() + " --irradiance 0 --no-previews", "sh");  // named as a command is
   CHECK(contains(errors_of("--sise 4 bake --sky"), "bake: there is no option --sise; did you mean --size?"));
 }
 
 TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
-  const std::string wanted = run_welkin("sh --sky --for unity --format text --window hanning").output;
-  CHECK(run_welkin("sh --sky --for Unity --format TEXT --window Hanning").output == wanted);
+  const std::string sh = "sh " + small_picture();
+  CHECK(run_welkin(sh + " --for Unity --format TEXT --window Hanning").output ==
+        run_welkin(sh + " --for unity --format text --window hanning").output);
   const TemporaryDirectory folder;
   const std::string small = " --size 4 --irradiance 0 --no-brdf --no-previews ";
-  const auto manifest = bake_into(folder.path() / "out", "--sky --formats KTX2,Exr --roughness Unity" + small);
+  const auto manifest =
+      bake_into(folder.path() / "out", small_picture() + " --formats KTX2,Exr --roughness Unity" + small);
   CHECK(manifest.at("options").at("roughness") == "unity");
   CHECK(file_of(manifest, "specular.exr").at("mips") == 3);
 }
@@ -75,7 +77,7 @@ TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
 TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools][slow]") {
   const TemporaryDirectory folder;
   const std::string bake =
-      "bake --sky --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
+      "bake " + small_picture() + " --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
   for (const std::string& quiet :
        {bake + " --quiet", bake + " -q", "testmap --size 4 -q -o " + quoted(folder.path() / "t.exr"), "-q " + bake}) {
     INFO(quiet);
@@ -85,7 +87,7 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
     CHECK(result.errors.empty());
   }
   CHECK(json_of(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
-  CHECK(contains(run_welkin("sh --sky -q").output, "radiance"));
+  CHECK(contains(run_welkin("sh -q " + small_picture()).output, "radiance"));
   const CommandResult verbose = run_welkin(bake + " --verbose");
   CHECK(contains(verbose.output, "manifest.json"));
   for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
@@ -258,7 +260,7 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   const std::string small = " --irradiance 0 --no-brdf --no-previews ";
   const auto roughness = [&](const std::string& options) {
     std::vector<double> table;
-    const auto manifest = bake_into(folder.path() / "out", "--sky" + small + options);
+    const auto manifest = bake_into(folder.path() / "out", small_picture() + small + options);
     for (const auto& mip : manifest.at("specular")) {
       table.push_back(mip.at("roughness").get<double>());
     }
