@@ -15,21 +15,6 @@
 #include "welkin/core.h"
 #include "welkin/spherical_harmonics.h"
 
-namespace welkin {
-
-void check(const SceneNeeds& needs) {
-  const platform::FloatingPointScope floating_point;
-  image::require_range("diffuse_bands", needs.diffuse_bands, 0, kMaximumBands);
-  if (!needs.glossy) return;
-  const RoughnessRange& range = *needs.glossy;
-  if (range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0) return;
-  throw Error(ErrorCode::invalid_argument,
-              "glossy materials' roughness is from " + platform::number_text(range.minimum) + " to " +
-                  platform::number_text(range.maximum) + "; pass 0 <= minimum <= maximum <= 1");
-}
-
-}  // namespace welkin
-
 namespace welkin::baking {
 namespace {
 
@@ -224,6 +209,17 @@ std::string line_of(const PlannedPass& pass, const std::vector<PassRecord>& meas
 }
 
 }  // namespace
+
+void check(const SceneNeeds& needs) {
+  const platform::FloatingPointScope floating_point;
+  image::require_range("diffuse_bands", needs.diffuse_bands, 0, kMaximumBands);
+  if (!needs.glossy) return;
+  const RoughnessRange& range = *needs.glossy;
+  if (range.minimum >= 0.0 && range.minimum <= range.maximum && range.maximum <= 1.0) return;
+  throw Error(ErrorCode::invalid_argument,
+              "glossy materials' roughness is from " + platform::number_text(range.minimum) + " to " +
+                  platform::number_text(range.maximum) + "; pass 0 <= minimum <= maximum <= 1");
+}
 
 std::string baking::passes_text(const std::vector<PlannedPass>& passes, const std::vector<PassRecord>& measured) {
   std::size_t width = 5;

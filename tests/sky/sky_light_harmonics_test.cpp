@@ -346,7 +346,8 @@ TEST_CASE("a curve's bake is cancelled, tells its progress, and refuses nonsense
                        }});
   CHECK(last == 1.0);
   for (const int nodes : {7, 4097, -1}) {
-    CHECK(thrown_by([&] { SkyCurve(view, {.nodes = nodes}); }).says("nodes of a sky curve is " + std::to_string(nodes)));
+    CHECK(
+        thrown_by([&] { SkyCurve(view, {.nodes = nodes}); }).says("nodes of a sky curve is " + std::to_string(nodes)));
   }
   CHECK(thrown_by([&] { SkyCurve(view, {.bands = 17}); }).says("bands"));
   std::vector<glm::dvec3> eight(8);

@@ -423,7 +423,7 @@ TEST_CASE("sky view: the ground's light comes through the air in front of it to 
       double worst = 0.0;
       for (int k = 0; k < kHalf; ++k) {
         const std::array<double, 3> truth =
-            share_from_ground(air, altitude, mapping.view_ray(altitude, k, 2 * kHalf).distance);
+            share_from_ground(air, altitude, mapping.view_ray(altitude, k, 2 * kHalf).length);
         for (std::size_t c = 0; c < 3; ++c) {
           worst = std::max(worst, std::abs(static_cast<double>(reach[static_cast<std::size_t>(4 * k) + c]) - truth[c]));
         }
