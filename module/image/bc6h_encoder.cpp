@@ -223,8 +223,8 @@ class Balancer {
     return {unpack_bc6h(block_of(single_, 0).data()), fields_of(pair_, 0)};
   }
 
-  /// `anew`: the block may also be encoded again in another way.
-  double improve(std::size_t block, bool anew) {
+  /// `reencode`: the block may also be encoded again in another way.
+  double improve(std::size_t block, bool reencode) {
     read(block);
     double growth = 0.0;
     const std::array<ChannelError, 3> errors = errors_of(block);
@@ -236,7 +236,7 @@ class Balancer {
     // error and on `rest` plus its light.
     const ChannelSums rest = off_;
     Candidate best = improved(unpack_bc6h(bytes_of(block)), rest);
-    if (anew) {
+    if (reencode) {
       for (const Bc6hFields& fields : encoded()) {
         const Candidate other = improved(fields, rest);
         if (other.cost < best.cost) best = other;

@@ -99,7 +99,7 @@ struct BlockFormat {
 
   /// How many partitions of a block are encoded.
   [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
-  /// What blocks hold.
+  /// The least value that a block can hold.
   [[nodiscard]] float least() const noexcept { return is_signed ? -kLargestHalf : 0.0F; }
 };
 
@@ -128,7 +128,7 @@ struct BlockTexels {
 [[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block,
                                        float least) noexcept;
 
-/// The same texels in all lanes, with those weights that are given to `PrepareBlocks`.
+/// Writes the block's texels to all lanes, with those weights that are given to `PrepareBlocks`.
 void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept;
 
 /// A cubemap's faces, each as a picture.

@@ -15,7 +15,7 @@ namespace {
 
 using astc::bit, astc::byte_of, astc::Levels;
 
-/// Of a sequence of numbers.
+/// The bits of a sequence of numbers of some levels.
 constexpr int bits_of(Levels levels, int numbers) {
   // Five digits of base 3 have 243 <= 2^8 values, three of base 5 125 <= 2^7; a last group that is not full takes as
   // many bits as its digits need, ceil(8 n / 5) and ceil(7 n / 3) in all.
