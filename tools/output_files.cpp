@@ -83,6 +83,7 @@ const glm::dvec3& largest_of(TexelFormat format) noexcept { return traits(format
 
 std::vector<std::pair<std::string, TexelFormat>> texel_formats() {
   std::vector<std::pair<std::string, TexelFormat>> formats;
+  formats.reserve(std::size(kFormats));
   for (const FormatTraits& each : kFormats) formats.emplace_back(each.name, static_cast<TexelFormat>(formats.size()));
   return formats;
 }
