@@ -111,6 +111,7 @@ std::vector<Sample> samples_of(const CubemapView& picture) {
 
 std::vector<Sample> samples_of(const LatLongView& picture) {
   std::vector<double> weights;
+  weights.reserve(static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row)
     weights.push_back(image::lat_long_texel_solid_angle(picture.width, picture.height, row));
   const auto row_of = [&](int row) { return image::row_of(picture, row); };

@@ -71,7 +71,7 @@ struct Bc6hKernels {
 };
 WELKIN_KERNEL_TABLES(Bc6hKernels, bc6h_kernels)
 
-// Those of UASTC HDR. BC6H's load and prepare its blocks.
+// Kernels of UASTC HDR, whose blocks are loaded and prepared by BC6H's.
 
 /// Halves' bits as numbers to the logarithms of ASTC: the middle of those that become this half. flat[block]: 1 if all
 /// texels of a block are equal, else 0.

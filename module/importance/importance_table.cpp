@@ -339,11 +339,11 @@ double ImportanceTable::density(const dvec3& direction) const {
   return density_of(*this, row, column);
 }
 
-// What a table gains, as sums over the source's texels.
+// The gain of a table, as sums over the source's texels.
 
 namespace {
 
-/// Of a row of the table: integrals over the sphere.
+/// A row's part of integrals over the sphere.
 struct Sums {
   double weight = 0.0;
   double squared = 0.0;           ///< the weight's square

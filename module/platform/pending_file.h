@@ -45,7 +45,7 @@ class PendingFile {
   [[nodiscard]] bool make_beside();
   [[nodiscard]] bool give_name();
   [[nodiscard]] bool note_failure();               ///< false, with the system's reason in `why_`
-  [[nodiscard]] bool note_unless(bool succeeded);  ///< likewise, with the C library's; true if its call succeeded
+  [[nodiscard]] bool note_unless(bool succeeded);  ///< if not: false, with the C library's reason
   void discard() noexcept;
 
   std::filesystem::path place_;

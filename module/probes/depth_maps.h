@@ -18,7 +18,7 @@ void require_count(const char* name, std::size_t is, std::size_t must_be);
 /// Throws `Error` (rejected_pixel).
 [[noreturn]] void refuse_nan_depth(std::size_t probe);
 
-/// Of the texels of a cubemap's face, [size][size]; alike on all faces.
+/// Returns the solid angles of a face's texels, sr, [size][size]; alike on all faces.
 [[nodiscard]] std::vector<double> face_solid_angles(int size);
 
 /// A row of texels.

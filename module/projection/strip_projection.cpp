@@ -42,18 +42,19 @@ StripProjection::StripProjection(const CubemapView& cubemap, const ProjectionOpt
 
 // A worker's scratch memory, one part after the other.
 
-StripProjection::Scratch::Scratch(const StripProjection& projection) {
+StripProjection::Scratch::Scratch(const StripProjection& projection)
+    : face_planes_(projection.strip_weights_.packed()
+                       ? 0
+                       : std::ptrdiff_t{kStripPlaneFloats} * projection.strip_weights_.moments()),
+      face_lanes_(std::ptrdiff_t{kSumLanes} * projection.sums()),
+      doubles_(static_cast<std::size_t>(6 * face_lanes_ + projection.sums())) {
   const StripWeights& strips = projection.strip_weights_;
   const int columns = widest_segment(projection.cubemap_.size);
   const std::ptrdiff_t piece = std::ptrdiff_t{kStripRows * kChannels} * columns;
-  face_planes_ = strips.packed() ? 0 : std::ptrdiff_t{kStripPlaneFloats} * strips.moments();
-  face_lanes_ = std::ptrdiff_t{kSumLanes} * projection.sums();
   floats_ = platform::AlignedBuffer<float>(
       strips.size(columns) + strips.scratch_size(columns) +
       static_cast<std::size_t>(4 * piece + strip_scratch(strips.moments()) + 6 * face_planes_));
-  doubles_ = platform::AlignedBuffer<double>(static_cast<std::size_t>(6 * face_lanes_ + projection.sums()));
-  weights_ = floats_.data();
-  weight_rows_ = weights_ + strips.size(columns);
+  weight_rows_ = weights() + strips.size(columns);
   for (int k = 0; k < 4; ++k) decoded_[k] = weight_rows_ + strips.scratch_size(columns) + k * piece;
   of_kernel_ = decoded_[3] + piece;
   planes_ = of_kernel_ + strip_scratch(strips.moments());
@@ -96,7 +97,7 @@ void StripProjection::sum_pieces(FoldFormat format, const Tile& tile, int face, 
                            rows_of({true, true})};
   const StripFunctions& strips = strip_kernels().strips[format].of[strip_weights_.moments() - kMinMoments];
   if (strip_weights_.packed()) {
-    strips.sum(pieces, tile.positions, scratch.weights_, scratch.of_kernel_, scratch.lanes(face));
+    strips.sum(pieces, tile.positions, scratch.weights(), scratch.of_kernel_, scratch.lanes(face));
   } else {
     strips.fold(pieces, tile.positions, scratch.of_kernel_, scratch.planes(face));
   }
@@ -107,7 +108,7 @@ void StripProjection::sum_pieces(FoldFormat format, const Tile& tile, int face, 
 void StripProjection::weigh(const Tile& tile, std::span<const int> faces, Scratch& scratch) const {
   if (strip_weights_.packed()) return;
   for (int k = 0; k < strip_weights_.moments(); ++k) {
-    const float* const moment = scratch.weights_ + static_cast<std::ptrdiff_t>(k) * functions_ * kChunk;
+    const float* const moment = scratch.weights() + static_cast<std::ptrdiff_t>(k) * functions_ * kChunk;
     for (const int face : faces) {
       projection_kernels().weighted_sums(scratch.planes(face) + k * kStripPlaneFloats, kMaximumClasses, moment,
                                          weights_.class_counts(), tile.positions / simd::kLanes, {},
@@ -118,7 +119,7 @@ void StripProjection::weigh(const Tile& tile, std::span<const int> faces, Scratc
 
 void StripProjection::sum_tile(int index, Scratch& scratch) const {
   const Tile tile = tile_at(index);
-  strip_weights_.fill(tile.strip, tile.first_column, tile.positions, scratch.weights_, scratch.weight_rows_);
+  strip_weights_.fill(tile.strip, tile.first_column, tile.positions, scratch.weights(), scratch.weight_rows_);
   if (direct_ == fold_format_count) return;
   for (const int face : faces_) {
     sum_pieces(

@@ -38,14 +38,14 @@ class StripProjection {
 
    private:
     friend class StripProjection;
+    [[nodiscard]] float* weights() noexcept { return floats_.data(); }
     [[nodiscard]] float* planes(int face) noexcept { return planes_ + face * face_planes_; }
     [[nodiscard]] double* lanes(int face) noexcept { return doubles_.data() + face * face_lanes_; }
 
-    platform::AlignedBuffer<float> floats_;
-    platform::AlignedBuffer<double> doubles_;
     std::ptrdiff_t face_planes_;  ///< none where weights are packed
     std::ptrdiff_t face_lanes_;
-    float* weights_;
+    platform::AlignedBuffer<float> floats_;
+    platform::AlignedBuffer<double> doubles_;
     float* weight_rows_;
     float* decoded_[4];  ///< rows of the pieces: top left, top right, bottom left, bottom right
     float* of_kernel_;
