@@ -1,7 +1,8 @@
 # welkin_compile_together(TARGET SOURCE...): sources of one folder that define no name twice become one translation unit.
-# Half of a small source's compile time goes into the headers and templates that its neighbours need too. The core is
-# compiled so by preset release alone (WELKIN_LIBRARY_TOGETHER), and not where it is packaged: programs link those of its
-# objects that they need. Names are looked for at the start of lines, when CMake runs: too many only make groups smaller.
+# Half of a small source's compile time goes into the headers and templates that its neighbours need too. The library
+# and the command are compiled so by preset release and the sanitizers' (WELKIN_LIBRARY_TOGETHER), and not where they
+# are packaged: programs link those of the library's objects that they need. Names are looked for at the start of lines,
+# when CMake runs: too many only make groups smaller.
 # A source that clashes all the same (or that was given such a name since) is told of by the compiler: configure again,
 # or set its SKIP_UNITY_BUILD_INCLUSION.
 set(WELKIN_TOGETHER 6 CACHE STRING "Sources in one translation unit at most, outside the library (1: after an edit less is compiled)")
@@ -9,8 +10,8 @@ function(welkin_compile_together target)
   if(MSVC OR WELKIN_TOGETHER LESS 2)  # Visual C++: never tried
     return()
   endif()
-  # A local name may be another source's function, and no main file has the types that a source keeps to itself.
-  target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  # No main file has the types that a source keeps to itself.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
     get_filename_component(folder ${source} DIRECTORY)

@@ -2,19 +2,23 @@
 # build runs is decided at run time. Kernels are optimised in every configuration: an unoptimised one tells nothing and
 # takes minutes. (Under a sanitizer less: there it is the compiler that takes minutes, and the bits are the same.)
 #
-# The sets are those of the processor that is compiled for.
+# The sets are those of the processor that is compiled for. A build that nobody ships may leave some of x86's out, each
+# of which takes a ninth of a first build's time: sanitizers see as much in SSE2's kernels, which touch the same texels,
+# and whoever wants a first picture has one processor (scripts/welkin).
+set(WELKIN_INSTRUCTION_SETS "" CACHE STRING "x86's instruction sets to build kernels for, of sse2, avx2 and avx512; empty: all")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   set(welkin_instruction_sets neon)
 elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^wasm")
   set(welkin_instruction_sets simd128)
 else()
   set(welkin_instruction_sets sse2 avx2 avx512)
-  # One alone, for a build that nobody ships: every set's kernels touch the same texels, 16 at a time, so that
-  # sanitizers see as much in SSE2's, and the others take six minutes of a processor to compile.
-  set(WELKIN_ONLY_INSTRUCTION_SET "" CACHE STRING "The one instruction set to build kernels for; empty: all")
-  if(WELKIN_ONLY_INSTRUCTION_SET)
-    set(welkin_instruction_sets ${WELKIN_ONLY_INSTRUCTION_SET})
-    add_compile_definitions(WELKIN_ONLY_INSTRUCTION_SET=${WELKIN_ONLY_INSTRUCTION_SET})
+  if(WELKIN_INSTRUCTION_SETS)
+    set(welkin_left_out_sets ${welkin_instruction_sets})
+    list(REMOVE_ITEM welkin_left_out_sets ${WELKIN_INSTRUCTION_SETS})
+    list(REMOVE_ITEM welkin_instruction_sets ${welkin_left_out_sets})
+    if(NOT welkin_instruction_sets)
+      message(FATAL_ERROR "WELKIN_INSTRUCTION_SETS has none of sse2, avx2 and avx512: ${WELKIN_INSTRUCTION_SETS}")
+    endif()
   endif()
 endif()
 set(welkin_options_neon)  # part of the processor
@@ -69,5 +73,16 @@ function(welkin_isa_sources)
   list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE sources)
   foreach(isa IN LISTS welkin_instruction_sets)
     target_sources(welkin_kernels_${isa} PRIVATE ${sources})
+  endforeach()
+endfunction()
+
+# welkin_leave_out_kernels(TARGET HEADER...): gives TARGET empty tables for the sets that are left out, so that adding them
+# later compiles nothing else again but the source that asks the processor.
+function(welkin_leave_out_kernels target)
+  foreach(isa IN LISTS welkin_left_out_sets)
+    list(TRANSFORM ARGN REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
+    string(JOIN "" text "#define WELKIN_KERNELS_LEFT_OUT ${isa}\n" ${includes})
+    file(CONFIGURE OUTPUT left_out_${isa}.cpp CONTENT "${text}" @ONLY)
+    target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/left_out_${isa}.cpp)
   endforeach()
 endfunction()

@@ -1,11 +1,12 @@
 # welkin_precompile_headers(TARGET HEADER...): headers that cost more to read than the source that includes them;
-# welkin_standard_headers is the set that nearly all sources share.
+# welkin_standard_headers is the set that nearly all sources share, welkin_kernel_headers that of kernels.
 #
 # A precompiled header is a picture of the compiler's memory and no two are alike, so ccache would know none of a new
 # clone's objects. With CCACHE_PCH_EXTSUM it takes the hash that is left beside the header instead: of the headers
 # themselves, the compiler and its flags. Only headers that do not change between two builds may stand in one: the
 # system's, and lists of them.
 set(welkin_standard_headers ${CMAKE_CURRENT_LIST_DIR}/standard_headers.h)
+set(welkin_kernel_headers ${CMAKE_CURRENT_LIST_DIR}/kernel_headers.h)
 function(welkin_precompile_headers target)
   target_precompile_headers(${target} PRIVATE ${ARGN})
   set(content "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION} ${CMAKE_BUILD_TYPE} ${CMAKE_CXX_FLAGS}")
@@ -14,7 +15,7 @@ function(welkin_precompile_headers target)
     file(SHA256 ${header} hash)
     string(APPEND content " ${hash}")
   endforeach()
-  string(SHA256 sum "${content} ${glm_VERSION} ${Catch2_VERSION}")
+  string(SHA256 sum "${content} ${glm_VERSION} ${xsimd_VERSION} ${Catch2_VERSION}")
   set(suffix gch)
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     set(suffix pch)

@@ -23,7 +23,8 @@ PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options
   chain.lobe = lobe;
   chain.lobe_roughness.clear();
   if (lobe == LobeFamily::phong) return chain;
-  chain.mips.reset();
+  // glTF's viewer has one number of mips for its GGX and its sheen.
+  if (lobe == LobeFamily::lambert || !is_engine_folder(options)) chain.mips.reset();
   chain.roughness.clear();
   if (lobe == LobeFamily::lambert)
     chain.size = options.irradiance_size > 0 ? options.irradiance_size : IrradianceOptions().size;
@@ -45,7 +46,7 @@ struct Size {
 };
 
 Size size_of(const SourceShape& source, const BakeCommandOptions& options, const BakeOptions& whole) {
-  constexpr int kLargestFace = 2048;  // 8192 x 4096 pixels
+  constexpr int kLargestBackground = 2048;  // 8192 x 4096 pixels
   if (!contains(options.files, Content::lat_long)) return {};
   const SceneNeeds scene = options.scene.needs();
   const bool alone = is_lat_long_folder(options);
@@ -54,7 +55,7 @@ Size size_of(const SourceShape& source, const BakeCommandOptions& options, const
   int face = whole.background->size.value_or(whole.specular->size);
   if (alone && options.background_size == 0) {
     if (!source.cubemap) return {source.columns, source.rows};
-    face = std::min(source.columns, kLargestFace);
+    face = std::min(source.columns, kLargestBackground);
   }
   return {4 * face, 2 * face};
 }

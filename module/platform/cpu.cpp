@@ -6,8 +6,12 @@
 
 #include "welkin/core.h"
 
-// A build for sanitizers carries SSE2's kernels alone (cmake/instruction_sets.cmake).
-#if (defined(__x86_64__) || defined(_M_X64)) && !defined(WELKIN_ONLY_INSTRUCTION_SET)
+// Sets that this build has no kernels for (cmake/instruction_sets.cmake), as words.
+#if !defined(WELKIN_LEFT_OUT_SETS)
+#define WELKIN_LEFT_OUT_SETS ""
+#endif
+
+#if defined(__x86_64__) || defined(_M_X64)
 #define WELKIN_ASKS_PROCESSOR
 #if defined(_MSC_VER)
 #include <intrin.h>
@@ -94,9 +98,7 @@ bool runs(InstructionSet set) {
 /// Another processor's binary carries one set, which its processors all run: NEON is part of 64-bit ARM (AArch64), and
 /// all that the kernels use of it is there from the first version on; a WebAssembly module that uses vectors loads
 /// nowhere else than where there are any.
-#if defined(WELKIN_ONLY_INSTRUCTION_SET)
-constexpr InstructionSet kOnly = InstructionSet::WELKIN_ONLY_INSTRUCTION_SET;
-#elif defined(__wasm__)
+#if defined(__wasm__)
 constexpr InstructionSet kOnly = InstructionSet::simd128;
 #else
 constexpr InstructionSet kOnly = InstructionSet::neon;
@@ -109,15 +111,29 @@ bool runs(InstructionSet set) { return set == kOnly; }
 constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, InstructionSet::avx512,
                                    InstructionSet::neon, InstructionSet::simd128};
 
+bool is_left_out(InstructionSet set) { return std::string(WELKIN_LEFT_OUT_SETS).find(name(set)) != std::string::npos; }
+
+/// Throws only in a build that was made for a newer machine and leaves out what older ones can run.
+InstructionSet widest() {
+  const std::vector<InstructionSet> sets = available_instruction_sets();
+  if (!sets.empty()) return sets.back();
+  throw Error(ErrorCode::invalid_argument,
+              "this build has no kernels for this machine: it leaves out " WELKIN_LEFT_OUT_SETS);
+}
+
 void require_runnable(InstructionSet set, const std::string& asked_by) {
+  if (is_left_out(set)) {
+    throw Error(ErrorCode::invalid_argument,
+                asked_by + ": this build has no kernels for it: it leaves out " WELKIN_LEFT_OUT_SETS);
+  }
   if (runs(set)) return;
-  throw Error(ErrorCode::invalid_argument, asked_by + ": this machine cannot run " + name(set) +
-                                               " code; it can run up to " + name(available_instruction_sets().back()));
+  throw Error(ErrorCode::invalid_argument,
+              asked_by + ": this machine cannot run " + name(set) + " code; it can run up to " + name(widest()));
 }
 
 InstructionSet initial_choice() {
   const char* const wanted = std::getenv("WELKIN_ISA");
-  if (wanted == nullptr || *wanted == '\0') return available_instruction_sets().back();
+  if (wanted == nullptr || *wanted == '\0') return widest();
   for (const InstructionSet set : kAll) {
     if (std::string(wanted) != name(set)) continue;
     require_runnable(set, std::string("WELKIN_ISA=") + wanted);
@@ -147,7 +163,7 @@ const char* name(InstructionSet set) noexcept {
 std::vector<InstructionSet> available_instruction_sets() {
   std::vector<InstructionSet> sets;
   for (const InstructionSet set : kAll) {
-    if (runs(set)) sets.push_back(set);
+    if (runs(set) && !is_left_out(set)) sets.push_back(set);
   }
   return sets;
 }

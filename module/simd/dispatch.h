@@ -12,8 +12,7 @@ namespace welkin::simd {
 /// Kernels count in groups of as many logical lanes: 1 register of AVX-512, 2 of AVX2, 4 of SSE2 or NEON.
 inline constexpr int kLanes = 16;
 
-#if defined(WELKIN_ONLY_INSTRUCTION_SET)  // said by the build
-#elif defined(__aarch64__) || defined(_M_ARM64)
+#if defined(__aarch64__) || defined(_M_ARM64)
 #define WELKIN_ONLY_INSTRUCTION_SET neon
 #elif defined(__wasm__)
 #define WELKIN_ONLY_INSTRUCTION_SET simd128
@@ -61,6 +60,14 @@ template <class Table>
   }                                                                         \
   [[nodiscard]] inline const Table& name() { return name(active_instruction_set()); }
 #else
+#if defined(WELKIN_KERNELS_LEFT_OUT)  // in the source that stands for a set's kernels (cmake/instruction_sets.cmake)
+#define WELKIN_EMPTY_TABLE(Table, name) \
+  namespace WELKIN_KERNELS_LEFT_OUT {   \
+  const Table name##_table{};           \
+  }
+#else
+#define WELKIN_EMPTY_TABLE(Table, name)
+#endif
 #define WELKIN_KERNEL_TABLES(Table, name)                                                      \
   namespace sse2 {                                                                             \
   extern const Table name##_table;                                                             \
@@ -71,6 +78,7 @@ template <class Table>
   namespace avx512 {                                                                           \
   extern const Table name##_table;                                                             \
   }                                                                                            \
+  WELKIN_EMPTY_TABLE(Table, name)                                                              \
   [[nodiscard]] inline const Table& name(InstructionSet set) {                                 \
     return simd::table_for(set, sse2::name##_table, avx2::name##_table, avx512::name##_table); \
   }                                                                                            \
