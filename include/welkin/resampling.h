@@ -53,10 +53,10 @@ enum class ResampleFilter {
 ///   area. The number of samples per edge is the source's maximum density of texels per radian (cubemap: size, that
 ///   in the middle of edges; 6 % less than in corners; lat-long: the larger of width / 2 pi and height / pi) divided by
 ///   the result's minimum density (cubemap: size / 2; lat-long: width / 2 pi and height / pi), rounded up, at least 2.
-///   No source texel is missed, except near the poles of a lat-long: texels there are narrower than the distance of
-///   samples, and one that differs much from its row may count several times or not at all (from 256 x 128 to 16 x 16 x
-///   6: 0 to 26 times in the first row, 0.2 to 4 times in the fifth). A cubemap's lone texel counts 0.7 to 1.2 times in
-///   a corner, 0.97 to 1.04 times inside of a face (from 32 to 16 x 16 x 6).
+///   No source texel is missed: where a lat-long's texels are narrower than the distance of samples, the mean over that
+///   distance along the row is taken. A lone texel counts 0.4 to 1.5 times within 10 rows of a pole, 0.88 to 1.11 times
+///   elsewhere (from 256 x 128, to half of that or to 16 x 16 x 6); a cubemap's 0.7 to 1.2 times in a corner, 0.97 to
+///   1.04 times inside of a face (from 32 to 16 x 16 x 6).
 ///
 /// Interpolation continues across edges of faces, poles and the seam. NaN and infinities spread to the texels that they
 /// touch, with `area` to a few more. `filter` is used between a lat-long and a cubemap only. Cost on one thread: `area`

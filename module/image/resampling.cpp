@@ -206,20 +206,28 @@ class Resampler {
   const Control& control_;
 };
 
-template <typename SamplerKind, typename View>
+// `spacing`: radians between samples, which are as far apart as a cube's texels or less.
+image::CubemapSampler sampler_of(const CubemapView& source, double /*spacing*/) {
+  return image::CubemapSampler(source);
+}
+image::LatLongSampler sampler_of(const LatLongView& source, double spacing) { return {source, spacing}; }
+
+template <typename View>
 Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& rotation, const Control& control) {
-  const SamplerKind sampler(source);
   const CubeCells cells(size, closest_texels(source));
+  const auto sampler = sampler_of(source, 2.0 / (1.0 * size * cells.samples_down()));
   Cubemap result(size, 1, control.memory);
   Resampler(cells, sampler, rotation, control).run(result.face(0));
   return result;
 }
 
-template <typename SamplerKind, typename View>
+template <typename View>
 LatLongImage resampled_lat_long(const View& source, int width, int height, const glm::dmat3& rotation,
                                 const Control& control) {
-  const SamplerKind sampler(source);
   const LatLongCells cells(width, height, closest_texels(source));
+  const double turn = 2.0 * std::numbers::pi;
+  const auto sampler = sampler_of(source, std::max(turn / (1.0 * width * cells.samples_across()),
+                                                   0.5 * turn / (1.0 * height * cells.samples_down())));
   LatLongImage result = empty_lat_long(width, height);
   Resampler(cells, sampler, rotation, control).run(result.pixels.data());
   return result;
@@ -260,7 +268,7 @@ Cubemap cubemap_of(const CubemapView& source, int size, const glm::dmat3& rotati
     return rotate(reduced(source, levels, jobs::part_of(control, 0.0, kShareOfFilling)), rotation,
                   jobs::part_of(control, kShareOfFilling, 1.0));
   }
-  return resampled_cubemap<image::CubemapSampler>(source, size, rotation, control);
+  return resampled_cubemap(source, size, rotation, control);
 }
 
 Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& rotation, ResampleFilter filter,
@@ -271,7 +279,7 @@ Cubemap cubemap_of(const LatLongView& source, int size, const glm::dmat3& rotati
     image::fill_cubemap(source, result, 0, filter, upright ? control : jobs::part_of(control, 0.0, kShareOfFilling));
     return rotate(std::move(result), rotation, jobs::part_of(control, kShareOfFilling, 1.0));
   }
-  return resampled_cubemap<image::LatLongSampler>(source, size, rotation, control);
+  return resampled_cubemap(source, size, rotation, control);
 }
 
 LatLongImage lat_long_of(const CubemapView& source, int width, int height, const glm::dmat3& rotation,
@@ -290,7 +298,7 @@ LatLongImage lat_long_of(const CubemapView& source, int width, int height, const
     }
     return result;
   }
-  return resampled_lat_long<image::CubemapSampler>(source, width, height, rotation, control);
+  return resampled_lat_long(source, width, height, rotation, control);
 }
 
 LatLongImage lat_long_of(const LatLongView& source, int width, int height, const glm::dmat3& rotation,
@@ -298,7 +306,7 @@ LatLongImage lat_long_of(const LatLongView& source, int width, int height, const
   if (width == source.width && height == source.height) {
     if (auto moved = image::moved_along_rows(source, rotation, control)) return *std::move(moved);
   }
-  return resampled_lat_long<image::LatLongSampler>(source, width, height, rotation, control);
+  return resampled_lat_long(source, width, height, rotation, control);
 }
 
 }  // namespace
@@ -351,15 +359,30 @@ Between between(double place) noexcept {
 
 }  // namespace
 
+LatLongSampler::LatLongSampler(const LatLongView& view, double spacing)
+    : plane_(view), width_(view.width), height_(view.height), spans_(static_cast<std::size_t>(view.height)) {
+  for (std::size_t row = 0; row < spans_.size(); ++row) {
+    const double turns = 0.25 - (static_cast<double>(row) + 0.5) / (2.0 * height_);
+    const double texel = 2.0 * std::numbers::pi / width_ * math::sine_cosine_of_turns(turns).cosine;  // radians
+    spans_[row] = std::clamp(spacing / texel, 1.0, 1.0 * width_);
+  }
+}
+
 void LatLongSampler::add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
   if (row < 0 || row >= height_) {
     // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
     row = row < 0 ? 0 : height_ - 1;
     column += 0.5 * width_;
   }
-  const Between place = between(column);
-  add_weighted(plane_.texel(wrapped(place.before, width_), row), weight * (1.0 - place.share), sum);
-  add_weighted(plane_.texel(wrapped(place.before + 1, width_), row), weight * place.share, sum);
+  // The mean of texels as areas over `span` columns; over one column it is linear interpolation.
+  const double span = spans_[static_cast<std::size_t>(row)];
+  const double begin = column + 0.5 - 0.5 * span;
+  const double end = begin + span;
+  const double density = weight / span;
+  for (int texel = static_cast<int>(std::floor(begin)); texel < end; ++texel) {
+    const double covered = std::min(end, texel + 1.0) - std::max(begin, 1.0 * texel);
+    add_weighted(plane_.texel(wrapped(texel, width_), row), density * covered, sum);
+  }
 }
 
 void LatLongSampler::add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept {

@@ -25,11 +25,12 @@ class Sampler {
   virtual void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept = 0;
 };
 
-/// Across the poles it goes on in the columns on the other side, half a turn away.
+/// Across the poles it goes on in the columns on the other side, half a turn away. In rows whose texels are narrower
+/// than the distance of samples, the mean over that distance takes the place of interpolation: samples pass none over.
 class LatLongSampler final : public Sampler {
  public:
-  /// The view's pixels must outlive the sampler.
-  explicit LatLongSampler(const LatLongView& view) : plane_(view), width_(view.width), height_(view.height) {}
+  /// `spacing`: radians between samples. The view's pixels must outlive the sampler.
+  LatLongSampler(const LatLongView& view, double spacing);
 
   void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept override;
 
@@ -39,6 +40,7 @@ class LatLongSampler final : public Sampler {
   FloatPlane plane_;
   int width_;
   int height_;
+  std::vector<double> spans_;  // of each row: columns that a sample stands for, 1 to the width
 };
 
 /// Across an edge it goes on in the neighbouring face; at a corner, where three texels meet, their mean is the fourth.

@@ -153,6 +153,34 @@ TEST_CASE("A lone bright texel keeps its total radiance at random places, sizes 
   }
 }
 
+TEST_CASE("A lat-long's lone texel nearly keeps its total radiance, turned by any rotation", "[resampling]") {
+  constexpr int kHeight = 128;
+  LatLongImage map = grey_lat_long(2 * kHeight, kHeight, 0.0F);
+  for (const glm::dmat3& rotation : {kAskew, glm::transpose(kAskew), kAskew * rotation_about_y(45.0) * kAskew}) {
+    for (const int row : {0, 1, 2, 3, 5, 9, 16, 32, 64}) {
+      float& texel = map.pixels[static_cast<std::size_t>(3 * (row * map.width + 9))];
+      texel = 1e6F;
+      const double wanted = 1e6 * image::lat_long_texel_solid_angle(map.width, kHeight, row);
+      for (const int rows : {kHeight, kHeight / 2}) {
+        const LatLongImage turned = to_lat_long(map.view(), 2 * rows, rows, rotation);
+        double sum = 0.0;
+        for (int at = 0; at < 2 * rows * rows; ++at) {
+          sum += static_cast<double>(turned.pixels[static_cast<std::size_t>(3 * at)]) *
+                 image::lat_long_texel_solid_angle(2 * rows, rows, at / (2 * rows));
+        }
+        CAPTURE(row, rows, sum / wanted);
+        CHECK(std::abs(sum / wanted - 1.0) < (row < 16 ? 0.6 : 0.15));
+      }
+      for (const int size : {32, 16}) {
+        const double share = total_radiance(to_cubemap(map.view(), size, rotation)).x / wanted;
+        CAPTURE(row, size, share);
+        CHECK(std::abs(share - 1.0) < (row < 16 ? 0.6 : 0.15));
+      }
+      texel = 0.0F;
+    }
+  }
+}
+
 TEST_CASE("A uniform lat-long is a uniform cubemap, to the last bit", "[area][slow]") {
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 3}, {128, 64}, {257, 128}, {130, 65}}) {
     const LatLongImage map = grey_lat_long(width, height, 0.1F);
