@@ -90,7 +90,7 @@ void add_reflections(std::vector<Operation>& operations) {
   operations.push_back(plain("sheen lat-long 1024 -> 256", Kind::lat_long, 1024, 4, [](const Pixels& pixels) {
     LobeChainOptions sheen;
     sheen.size = 256;
-    for (const double roughness : charlie_mip_roughness(5, 256)) sheen.lobes.push_back(ZonalLobe::charlie(roughness));
+    for (const double roughness : {0.05, 0.25, 0.5, 0.75, 1.0}) sheen.lobes.push_back(ZonalLobe::charlie(roughness));
     return prefilter_by_lobes(pixels.lat_long.view(), sheen);
   }));
 }

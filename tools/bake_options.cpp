@@ -399,6 +399,11 @@ std::vector<std::string> option_notes(const BakeCommandOptions& options) {
         " writes no prefiltered cubemap, because the engine makes its own from the lat-long; --background-size N makes "
         "the lat-long 4 N texels wide");
   }
+  const std::optional<RoughnessRange> glossy = options.scene.needs().glossy;
+  if (glossy && glossy != RoughnessRange{} && writes_reflections(options)) {
+    notes.push_back("--glossy: " + std::string(engine.title) +
+                    " looks mips up by its own formula, so none is left out; pass --formats for your own shader");
+  }
   if (contradicts_engine(options)) {
     notes.push_back(
         "--roughness: " + std::string(engine.title) +

@@ -298,7 +298,10 @@ SceneNeeds needs_of(const BakeCommandOptions& options) {
     needs.irradiance_cubemap = false;
   }
   if (is_lat_long_folder(options)) needs.background = options.previews;
-  if (!contains_rgbd(options.files) || !needs.glossy) return needs;
+  if (!needs.glossy) return needs;
+  // An engine finds its mips by their number and its own formula: a chain with some left out would be another's.
+  if (is_engine_folder(options)) needs.glossy = RoughnessRange{};
+  if (!contains_rgbd(options.files)) return needs;
   // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
   const PrefilterOptions whole = *library_options(options).specular;
   if (env_options(whole, options) == whole) needs.glossy = RoughnessRange{};

@@ -68,7 +68,9 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
       "FILE", "A JSON file that lists what the scene uses (docs/guides/scene_needs.md); other parts are not baked");
   add_option(table, "--no-glossy", &choice.no_glossy, "", "No material reflects: no specular cubemap");
   add_option(table, "--glossy", On<std::vector<double>>(set_range), "MINIMUM,MAXIMUM",
-             "The minimum and the maximum roughness of the materials; mips outside this range are not made",
+             "The minimum and the maximum roughness of the materials; mips outside this range are not made (all are "
+             "for an engine, which counts "
+             "them)",
              {.bounds = finite_between(0.0, 1.0), .list = List::commas, .count = 2, .excludes = {"--no-glossy"}});
   add_option(table, "--no-background", &choice.no_background, "", "The scene does not show the environment itself");
   add_option(table, "--no-diffuse", &choice.no_diffuse, "", "No diffuse light is used");

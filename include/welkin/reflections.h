@@ -62,8 +62,9 @@ struct PrefilterOptions {
   /// `default_mip_count(linear, size)` for `charlie` and `default_mip_count(filament, size)` for other lobes.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness of each mip, in [0, 1]. If empty: `charlie_mip_roughness(mips, size)` for `charlie` and
-  /// `mip_roughness(filament, mips, size)` for other lobes. With `ggx`, roughness 0 means no convolution.
+  /// Perceptual roughness of each mip, in [0, 1]. If empty: `mip_roughness(linear, mips, size)` for `charlie`, as glTF's
+  /// sample renderer looks sheen up, and `mip_roughness(filament, mips, size)` for other lobes. With `ggx`, roughness 0
+  /// means no convolution; `charlie` has at least `kMinCharlieRoughness`.
   std::vector<double> roughness{};
 
   /// Perceptual roughness of each mip's lobe, if it differs from the roughness at which shaders look the mip up (see
@@ -245,8 +246,7 @@ struct BrdfTable {
 // ---- Lobes other than GGX: Charlie sheen, Lambert, Phong, Blinn, or your own
 //
 //   welkin::LobeChainOptions sheen{.size = 256};
-//   for (const double roughness : welkin::charlie_mip_roughness(5, 256))
-//     sheen.lobes.push_back(welkin::ZonalLobe::charlie(roughness));
+//   for (const double roughness : {0.1, 0.3, 1.0}) sheen.lobes.push_back(welkin::ZonalLobe::charlie(roughness));
 //   const welkin::PrefilteredSpecular chain = welkin::prefilter_by_lobes(panorama, sheen);
 
 namespace reflections {
@@ -301,13 +301,8 @@ class ZonalLobe {
   double roughness_;
 };
 
-/// The lowest roughness of `charlie_mip_roughness`.
+/// The lowest roughness of mips for sheen: at 0 the lobe degenerates to the horizon.
 inline constexpr double kMinCharlieRoughness = 0.05;
-
-/// Returns the roughness of each mip of a sheen chain as glTF's sample renderer looks it up: mip / max(1,
-/// floor(log2(size)) - 1), clamped to [`kMinCharlieRoughness`, 1]: at 0 the lobe degenerates to the horizon. Throws
-/// `Error` (invalid_argument) unless 1 <= mips <= 16 and 1 <= size <= 8192.
-[[nodiscard]] std::vector<double> charlie_mip_roughness(int mips, int size);
 
 /// Options of `prefilter_by_lobes`.
 struct LobeChainOptions {

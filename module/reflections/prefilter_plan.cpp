@@ -72,12 +72,15 @@ void check_roughness(const char* what, const std::vector<double>& table, int mip
   }
 }
 
+RoughnessSchedule schedule_of(LobeFamily lobe) {
+  return lobe == LobeFamily::charlie ? RoughnessSchedule::linear : RoughnessSchedule::filament;
+}
+
 std::vector<double> roughness_of(const PrefilterOptions& options, int mips) {
   if (!options.roughness.empty()) check_roughness("roughness", options.roughness, mips);
   std::vector<double> roughness = options.roughness;
   if (roughness.empty()) {
-    roughness = options.lobe == LobeFamily::charlie ? charlie_mip_roughness(mips, options.size)
-                                                    : mip_roughness(RoughnessSchedule::filament, mips, options.size);
+    roughness = mip_roughness(schedule_of(options.lobe), mips, options.size);
   }
   roughness.resize(static_cast<std::size_t>(mips));
   for (double& value : roughness) value = std::max(value, least_roughness(options.lobe));
@@ -97,8 +100,7 @@ int default_mips(const PrefilterOptions& options) {
   if (!options.roughness.empty()) return static_cast<int>(std::min<std::size_t>(options.roughness.size(), 99));
   if (!options.spectra.empty()) return static_cast<int>(std::min<std::size_t>(options.spectra.size(), 99));
   if (options.lobe == LobeFamily::lambert) return 1;
-  return default_mip_count(
-      options.lobe == LobeFamily::charlie ? RoughnessSchedule::linear : RoughnessSchedule::filament, options.size);
+  return default_mip_count(schedule_of(options.lobe), options.size);
 }
 
 int mips_of(const PrefilterOptions& options) {

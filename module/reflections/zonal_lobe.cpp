@@ -128,16 +128,6 @@ std::vector<double> ZonalLobe::spectrum(int bands) const {
   return lobe_->spectrum(bands);
 }
 
-std::vector<double> charlie_mip_roughness(int mips, int size) {
-  const platform::FloatingPointScope floating_point;
-  std::vector<double> roughness = mip_roughness(RoughnessSchedule::linear, mips, size);
-  const int steps = std::max(1, full_chain_levels(size) - 2);  // floor(log2 size) - 1
-  for (int mip = 0; mip < mips; ++mip) {
-    roughness[static_cast<std::size_t>(mip)] = std::clamp(static_cast<double>(mip) / steps, kMinCharlieRoughness, 1.0);
-  }
-  return roughness;
-}
-
 PrefilteredSpecular prefilter_by_lobes(const EnvironmentView& source, const LobeChainOptions& options,
                                        const Control& control) {
   const platform::FloatingPointScope floating_point;

@@ -183,7 +183,6 @@ void call_kernels(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   const ZonalLobe sheen = ZonalLobe::charlie(0.7);
   calls.call("ZonalLobe::value(", [&] { return sheen.value(0.21); });
   calls.call("ZonalLobe::spectrum(", [&] { return sheen.spectrum(17); });
-  calls.call("charlie_mip_roughness(", [] { return charlie_mip_roughness(5, 200); });
   const LobeChainOptions options{.size = 8, .lobes = {sheen, ZonalLobe::lambert()}};
   for (const EnvironmentView& view : views_of(cube, wide)) {
     calls.call("prefilter_by_lobes(EnvironmentView", [&] { return prefilter_by_lobes(view, options); });

@@ -297,14 +297,6 @@ TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
   CHECK(error.maximum < 1e-6);
 }
 
-TEST_CASE("Roughness of a sheen chain is as glTF's sample renderer looks it up", "[zonal]") {
-  const std::vector<double> roughness = charlie_mip_roughness(5, 256);
-  const std::vector<double> expected{kMinCharlieRoughness, 1.0 / 7.0, 2.0 / 7.0, 3.0 / 7.0, 4.0 / 7.0};
-  for (std::size_t mip = 0; mip < expected.size(); ++mip) CHECK(std::abs(roughness[mip] - expected[mip]) < 1e-15);
-  CHECK(charlie_mip_roughness(9, 256).back() == 1.0);
-  CHECK(charlie_mip_roughness(1, 1).front() == kMinCharlieRoughness);
-}
-
 // What holds for GGX holds for the others.
 
 namespace {

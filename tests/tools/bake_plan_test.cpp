@@ -61,6 +61,11 @@ TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]
   CHECK(some.at("specular")[0].at("mean") == all.at("specular")[2].at("mean"));
   CHECK(file_of(some, "specular.ktx2").at("size") == 8);
   CHECK(file_of(some, "background.ktx2").at("size") == 32);
+  // three.js finds mips by their number: it would take 0.6 for 0.
+  const nlohmann::json three =
+      bake_into(folder.path() / "three", "--sky --size 32 --for three --no-previews --glossy 0.6,1");
+  CHECK(three.at("specular")[0].at("roughness") == 0.0);
+  CHECK(contains(three.at("notes").dump(), "none is left out"));
 }
 
 TEST_CASE("A bake explains itself", "[command][plan][slow]") {

@@ -102,9 +102,6 @@ void bind_lobes(py::module_& module) {
       .def_property_readonly(
           "roughness", [](const NamedLobe& self) { return self.lobe.roughness(); }, "Of `charlie`; 0 of others.")
       .def("__repr__", [](const NamedLobe& self) { return "<welkin.ZonalLobe: " + self.words + ">"; });
-  module.def("charlie_mip_roughness", &charlie_mip_roughness, py::arg("mips"), py::arg("size"),
-             "charlie_mip_roughness(mips, size)\n--\n\n"
-             "Returns the roughness of each mip of a sheen chain, as in glTF's sample renderer.");
 }
 
 }  // namespace welkin::python
