@@ -1,6 +1,4 @@
 // The entries of a bake: what was made before is found, the rest is kept when it is made.
-#include "cache/cached_bake.h"
-
 #include <algorithm>
 #include <optional>
 #include <utility>

@@ -5,7 +5,6 @@
 #include <system_error>
 #include <type_traits>
 
-#include "cache/cached_bake.h"
 #include "cache/recipe.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"

@@ -1,5 +1,4 @@
-#include "files/astc.h"
-
+// Blocks of ASTC, by the library astcenc.
 #include <astcenc.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <new>
 #include <string>
 
+#include "files/textures.h"
 #include "image/block_pictures.h"
 #include "image/pixels.h"
 #include "jobs/control.h"

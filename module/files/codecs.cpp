@@ -6,7 +6,6 @@
 #include <array>
 #include <limits>
 
-#include "files/astc.h"
 #include "files/env.h"
 #include "files/textures.h"
 #include "files/write_environment.h"

@@ -8,7 +8,6 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
-#include <ImfMultiPartInputFile.h>
 #include <ImfTileDescription.h>
 #include <half.h>
 
@@ -93,13 +92,6 @@ struct ExrChannels {
 /// Whether there is a picture in `layer` (in any, if that is empty): one in colour, or any other.
 [[nodiscard]] bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour);
 
-/// Fills in `info.channels` and `info.layers` and chooses: the layer that is asked for; else the channels without
-/// one; else the only layer in colour; else the only layer. Needs `info.path`.
-/// uint is read as the numbers that it states, as half and float are.
-/// Throws `Error` (unsupported_file) naming what there is and, if layers are to choose from, --layer.
-[[nodiscard]] ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& channels,
-                                              const std::string& layer);
-
 // What an OpenEXR header promises, checked before any pixel memory is made for it.
 
 /// The largest block of scanlines or tile, uncompressed and with all channels, that is decoded. 65536 texels
@@ -137,7 +129,7 @@ struct ExrPicture {
 /// Throws as `inspect_environment`.
 [[nodiscard]] ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options);
 
-// Sizes of an OpenEXR picture's levels and how many pieces (chunks) it is stored in.
+// Compressions, and sizes of an OpenEXR picture's levels.
 
 /// Scanlines that a compression packs together; 0 if the compression is not known.
 [[nodiscard]] int scanlines_per_block(Imf::Compression compression) noexcept;
@@ -149,10 +141,6 @@ struct ExrPicture {
 /// ways, else one. Each edge halves from level to level, rounded as the file says, down to 1
 /// (ImfTileDescription.h; the chain ends where the longer edge of a mip map, the shorter one of a rip map is 1).
 [[nodiscard]] std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height);
-
-/// Entries in the table of offsets of a part whose header is sane, as many as the library will make. A number that is
-/// too large to count is large enough: the result is a double so that nothing can wrap around.
-[[nodiscard]] double chunk_count(const Imf::Header& header, bool tiled);
 
 // The colours that an OpenEXR header says its numbers mean.
 
@@ -216,22 +204,6 @@ auto call_openexr(const std::filesystem::path& path, const Work& work) -> declty
   }
 }
 
-// A handle on one part of an OpenEXR file: one for every reader.
-
-/// Decoding is done by whoever calls, on as many readers as it likes: the library's own thread pool is left
-/// as the program has it, and no reader asks for any of it.
-///
-/// Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
-/// whose writer was stopped), the library finds the blocks itself on opening.
-struct ExrFile {
-  /// Throws `Error`: file_access if the file is not the one that `picture` was made from.
-  explicit ExrFile(const ExrPicture& picture);
-
-  platform::ByteFile bytes;
-  ExrStream stream;
-  Imf::MultiPartInputFile file;
-};
-
 /// Where the library is to put a channel: texel (column, row) of the file's coordinates at `first`, the next ones
 /// `texel_bytes` and `row_bytes` on. (It expects the address that texel (0, 0) would have, which may lie outside of
 /// anything, and so is worked out in integers.) Channels sampled at every second texel have `sampling` 2.
@@ -242,39 +214,5 @@ struct ExrFile {
   const std::intptr_t base = reinterpret_cast<std::intptr_t>(first) - left - top;
   return {type, reinterpret_cast<char*>(base), texel_bytes, row_bytes, sampling, sampling};
 }
-
-// Blocks that the library has just decoded: do they hold all of their texels?
-
-class ExrBlocks {
- public:
-  /// Both outlive this.
-  ExrBlocks(const ExrPicture& picture, const Imf::Header& header) : picture_(picture), header_(header) {}
-
-  /// Throws `Error` (corrupt_file) if the block of rows, which the library has read since this was asked last, unpacks
-  /// to less than its texels take. `row`: any of it, in the file's coordinates. Costs undoing ZIP once more.
-  void check_rows(ExrStream& stream, int row) const;
-  /// The same of a tile of the picture's level.
-  void check_tile(ExrStream& stream, int column, int row) const;
-
- private:
-  void check(std::span<const char> block, std::uint64_t expected, const std::string& what) const;
-
-  const ExrPicture& picture_;
-  const Imf::Header& header_;
-};
-
-// OpenEXR pictures of luminance and subsampled chroma, as RGB rows.
-
-/// A reader of the stored rows (data_width x data_height) as RGB in the file's primaries, to the very halves that
-/// OpenEXR's RgbaInputFile gives: the same functions (ImfRgbaYca.h) in the same order. Rows decode in blocks, and a
-/// block needs 14 more rows above and below, which the next block takes over.
-/// `picture` outlives the reader. Throws as `RowSource::open_reader`.
-[[nodiscard]] std::unique_ptr<RowReader> open_luminance_chroma(const ExrPicture& picture);
-
-/// What such a reader holds beside the library's own blocks, in bytes.
-[[nodiscard]] std::uint64_t luminance_chroma_bytes(int width) noexcept;
-
-/// Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
-[[nodiscard]] int luminance_chroma_rows(int unit_rows) noexcept;
 
 }  // namespace welkin::files

@@ -5,14 +5,113 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "files/exr.h"
+#include "files/primaries.h"
 
 namespace welkin::files {
 namespace {
+
+struct CompressionKind {
+  const char* name;
+  int scanlines;  // that are compressed together
+};
+
+// By Imf::Compression's values.
+constexpr std::array kCompressions{
+    CompressionKind{"none", 1},  CompressionKind{"rle", 1},    CompressionKind{"zips", 1}, CompressionKind{"zip", 16},
+    CompressionKind{"piz", 32},  CompressionKind{"pxr24", 16}, CompressionKind{"b44", 32}, CompressionKind{"b44a", 32},
+    CompressionKind{"dwaa", 32}, CompressionKind{"dwab", 256}};
+static_assert(Imf::DWAB_COMPRESSION + 1 == kCompressions.size());
+
+const CompressionKind* find_compression(Imf::Compression compression) noexcept {
+  const auto index = static_cast<std::size_t>(compression);
+  return index < kCompressions.size() ? &kCompressions[index] : nullptr;
+}
+
+std::int64_t halve(std::int64_t edge, Imf::LevelRoundingMode rounding) {
+  return std::max<std::int64_t>((rounding == Imf::ROUND_UP ? edge + 1 : edge) / 2, 1);
+}
+
+// The edge at every level, down to 1. Halving again and again rounds as dividing once by 2^level does.
+std::vector<std::int64_t> edges(std::int64_t edge, Imf::LevelRoundingMode rounding) {
+  std::vector<std::int64_t> sizes{edge};
+  while (sizes.back() > 1) {
+    sizes.push_back(halve(sizes.back(), rounding));
+  }
+  return sizes;
+}
+
+std::int64_t at_level(const std::vector<std::int64_t>& sizes, std::size_t level) {
+  return sizes[std::min(level, sizes.size() - 1)];
+}
+
+double tiles_across(std::int64_t edge, unsigned tile) {
+  return std::ceil(static_cast<double>(edge) / static_cast<double>(tile));
+}
+
+}  // namespace
+
+int scanlines_per_block(Imf::Compression compression) noexcept {
+  const CompressionKind* kind = find_compression(compression);
+  return kind == nullptr ? 0 : kind->scanlines;
+}
+
+const char* compression_name(Imf::Compression compression) noexcept {
+  const CompressionKind* kind = find_compression(compression);
+  return kind == nullptr ? nullptr : kind->name;
+}
+
+std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height) {
+  if (tiles.mode != Imf::MIPMAP_LEVELS && tiles.mode != Imf::RIPMAP_LEVELS) {
+    return {{width, height}};
+  }
+  const std::vector<std::int64_t> widths = edges(width, tiles.roundingMode);
+  const std::vector<std::int64_t> heights = edges(height, tiles.roundingMode);
+  const std::size_t count = tiles.mode == Imf::MIPMAP_LEVELS ? std::max(widths.size(), heights.size())
+                                                             : std::min(widths.size(), heights.size());
+  std::vector<LevelInfo> levels;
+  for (std::size_t level = 0; level < count; ++level) {
+    levels.push_back({static_cast<int>(at_level(widths, level)), static_cast<int>(at_level(heights, level))});
+  }
+  return levels;
+}
+
+namespace {
+
+double tile_count(const Imf::TileDescription& tiles, int width, int height) {
+  if (tiles.mode != Imf::RIPMAP_LEVELS) {
+    double count = 0.0;
+    for (const LevelInfo& level : level_sizes(tiles, width, height)) {
+      count += tiles_across(level.width, tiles.xSize) * tiles_across(level.height, tiles.ySize);
+    }
+    return count;
+  }
+  // Its levels are all pairs of a width and a height.
+  const auto across_all = [&](int edge, unsigned tile) {
+    double count = 0.0;
+    for (const std::int64_t each : edges(edge, tiles.roundingMode)) count += tiles_across(each, tile);
+    return count;
+  };
+  return across_all(width, tiles.xSize) * across_all(height, tiles.ySize);
+}
+
+/// Entries in the table of offsets of a part whose header is sane, as many as the library will make. A number that is
+/// too large to count is large enough: the result is a double so that nothing can wrap around.
+double chunk_count(const Imf::Header& header, bool tiled) {
+  const Imath::Box2i& window = header.dataWindow();
+  const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
+  const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (tiled) {
+    return tile_count(header.tileDescription(), static_cast<int>(width), static_cast<int>(height));
+  }
+  const int scanlines = std::max(scanlines_per_block(header.compression()), 1);
+  return std::ceil(static_cast<double>(height) / scanlines);
+}
 
 // OpenEXR allows 255 bytes for a name; the longest sound header seen was a few megabytes of preview.
 constexpr std::size_t kLongestName = 255;
@@ -301,6 +400,74 @@ std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& 
   refuse(path, "none of its parts (" + part_list(parts) + ") is a flat image with R, G and B or Y" +
                    (layer.empty() ? "" : " in a layer \"" + platform::printable(layer) + "\"") +
                    "; pass the part with --part and its layer with --layer, or convert it");
+}
+
+namespace {
+
+glm::dvec2 to_glm(const Imath::V2f& xy) { return {xy.x, xy.y}; }
+
+Chromaticities read_chromaticities(const Imf::Header& header) {
+  const Imf::Chromaticities& stated = Imf::chromaticities(header);
+  return {to_glm(stated.red), to_glm(stated.green), to_glm(stated.blue), to_glm(stated.white)};
+}
+
+std::optional<glm::dvec2> read_neutral(const Imf::Header& header) {
+  return Imf::hasAdoptedNeutral(header) ? std::optional(to_glm(Imf::adoptedNeutral(header))) : std::nullopt;
+}
+
+[[noreturn]] void reject(const EnvironmentInfo& info, const char* attribute, const Chromaticities& found,
+                         const char* remedy) {
+  throw platform::file_error(ErrorCode::corrupt_file, info.path,
+                             std::string("its attribute \"") + attribute + "\" makes no colours, with chromaticities " +
+                                 describe(found) + "; " + remedy);
+}
+
+// Photoshop writes Rec. 709 as an ICC profile has it: adapted to D50. The way back is no more than its roundings.
+bool is_nearly_nothing(const glm::dmat3& matrix) {
+  constexpr double kRounding = 2e-3;
+  double worst = 0.0;
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      worst = std::max(worst, std::abs(matrix[column][row] - (row == column ? 1.0 : 0.0)));
+    }
+  }
+  return worst < kRounding;
+}
+
+}  // namespace
+
+std::optional<glm::dmat3> exr_colour_matrix(EnvironmentInfo& info, const Imf::Header& header, ExrChannels::Kind kind,
+                                            Primaries wanted) {
+  if (!Imf::hasChromaticities(header) || kind == ExrChannels::Kind::luminance) {
+    return std::nullopt;
+  }
+  const Chromaticities stated = read_chromaticities(header);
+  const std::optional<glm::dvec2> neutral = read_neutral(header);
+  const bool sound = rgb_to_xyz(stated).has_value();
+  if (!sound && kind == ExrChannels::Kind::luminance_chroma) {
+    reject(info, "chromaticities", stated, "luminance and chroma cannot be taken apart: export it again");
+  }
+  Chromaticities balanced = stated;
+  balanced.white = neutral.value_or(stated.white);
+  if (nearly_same(stated, kRec709) && nearly_same(balanced, kRec709)) {
+    return std::nullopt;
+  }
+  if (wanted == Primaries::as_stored) {
+    info.notes.push_back("colours left in the primaries of the file: " + describe(stated));
+    return std::nullopt;
+  }
+  const std::optional<glm::dmat3> matrix = to_rec709(stated, neutral);
+  if (!matrix) {
+    reject(info, sound && neutral ? "adoptedNeutral" : "chromaticities", stated,
+           "pass --primaries as-stored to read the numbers unchanged, or export it again");
+  }
+  if (is_nearly_nothing(*matrix)) {
+    info.notes.push_back("colours left as they are: the primaries of the file, " + describe(stated) +
+                         ", are those of Rec. 709 seen under another white");
+    return std::nullopt;
+  }
+  info.notes.push_back("primaries converted from " + describe(stated) + " to Rec. 709");
+  return matrix;
 }
 
 }  // namespace welkin::files

@@ -14,6 +14,10 @@
 namespace welkin::files {
 namespace {
 
+[[noreturn]] void refuse(const EnvironmentInfo& info, const std::string& found_and_remedy) {
+  throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
+}
+
 // Which rectangle of an OpenEXR file is the picture.
 
 /// The picture's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
@@ -68,10 +72,8 @@ bool display_window_is_picture(const Imath::Box2i& data, const Imath::Box2i& dis
 
 void require_bounded(const EnvironmentInfo& info, const char* window, const Extent& size) {
   if (size.width > kMaximumWidth || size.height > kMaximumHeight) {
-    throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                               std::string("its ") + window + " window of " + text(size) +
-                                   " is larger than any layout holds (" + text({kMaximumWidth, kMaximumHeight}) +
-                                   "); reduce it first");
+    refuse(info, std::string("its ") + window + " window of " + text(size) + " is larger than any layout holds (" +
+                     text({kMaximumWidth, kMaximumHeight}) + "); reduce it first");
   }
 }
 
@@ -79,10 +81,8 @@ void require_substance(const EnvironmentInfo& info, const Extent& display, const
   constexpr std::int64_t kLargestMostlyBlack = std::int64_t{16384} * 8192;
   constexpr std::int64_t kMinShare = 64;
   if (display.texels() > kLargestMostlyBlack && display.texels() / kMinShare > stored.texels()) {
-    throw platform::file_error(ErrorCode::unsupported_file, info.path,
-                               "stores " + text(stored) + " texels of a display window of " + text(display) +
-                                   ", less than a " + std::to_string(kMinShare) +
-                                   "th; save it with the intended display window");
+    refuse(info, "stores " + text(stored) + " texels of a display window of " + text(display) + ", less than a " +
+                     std::to_string(kMinShare) + "th; save it with the intended display window");
   }
 }
 
@@ -135,10 +135,6 @@ Windows choose_windows(EnvironmentInfo& info, const Imf::Header& header, bool ha
   return {display, data};
 }
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {
-  throw platform::file_error(ErrorCode::unsupported_file, path, found_and_remedy);
-}
-
 // Of a header that is not checked yet: the tile description may not be there at all.
 const Imf::TileDescription* tile_description(const ExrPart& part) {
   return part.tiled && part.header.hasTileDescription() ? &part.header.tileDescription() : nullptr;
@@ -152,8 +148,8 @@ bool has_levels(const ExrPart& part) {
 void name_compression(ExrPicture& picture, const Imf::Header& header) {
   const char* name = compression_name(header.compression());
   if (name == nullptr) {
-    refuse(picture.info.path, "has an unknown compression (method " +
-                                  std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
+    refuse(picture.info, "has an unknown compression (method " +
+                             std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
   }
   picture.info.compression = name;
 }
@@ -261,35 +257,6 @@ bool has_roughness(const Imf::Header& header) {
   return false;
 }
 
-}  // namespace
-
-ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options) {
-  return call_openexr(file.path(), [&] {
-    const ExrParts parts = read_exr_parts(file);
-    ExrPicture picture;
-    picture.info.path = file.path();
-    picture.info.format = FileFormat::openexr;
-    picture.input = input_of(file);
-    name_parts(picture.info, parts);
-    const std::size_t index = choose_exr_part(parts, file.path(), options.part, options.layer);
-    const ExrPart& part = parts.parts[index];
-    picture.part = static_cast<int>(index);
-    picture.tiled = part.tiled;
-    name_compression(picture, part.header);
-    place_windows(picture, part, options.layout);
-    picture.table_bytes = bytes_of_headers(parts) + check_exr_tables(parts, file);
-    picture.channels = choose_exr_channels(picture.info, part.header.channels(), options.layer);
-    decide_exr_layout(picture, part.header, options.layout);
-    choose_level(picture, part, options.level);
-    measure_units(picture, part.header);
-    picture.prefiltered = has_roughness(part.header);
-    picture.to_rec709 = exr_colour_matrix(picture.info, part.header, picture.channels.kind, options.primaries);
-    return picture;
-  });
-}
-
-namespace {
-
 using Kind = ExrChannels::Kind;
 
 // How programs spell the three colours. "red" is Nuke's in layers.
@@ -304,10 +271,6 @@ struct Layer {
   std::string name;
   ExrChannels channels;
 };
-
-[[noreturn]] void refuse(const EnvironmentInfo& info, const std::string& found_and_remedy) {
-  throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
-}
 
 ChannelType type_of(Imf::PixelType type) {
   switch (type) {
@@ -424,16 +387,10 @@ void require_usable(const EnvironmentInfo& info, const ExrChannels& chosen, cons
   }
 }
 
-}  // namespace
-
-bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour) {
-  const std::vector<Layer> layers = find_pictures(channels);
-  return std::any_of(layers.begin(), layers.end(), [&](const Layer& found) {
-    return (layer.empty() || found.name == layer || platform::printable(found.name) == layer) &&
-           (!in_colour || found.channels.kind != Kind::luminance);
-  });
-}
-
+/// Fills in `info.channels` and `info.layers` and chooses: the layer that is asked for; else the channels without
+/// one; else the only layer in colour; else the only layer. Needs `info.path`.
+/// uint is read as the numbers that it states, as half and float are.
+/// Throws `Error` (unsupported_file) naming what there is and, if layers are to choose from, --layer.
 ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& channels, const std::string& layer) {
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
     info.channels.push_back({platform::printable(channel.name()), type_of(channel.channel().type)});
@@ -447,6 +404,41 @@ ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& c
   const ExrChannels& chosen = (layer.empty() ? choose_layer(info, layers) : find_layer(info, layers, layer)).channels;
   require_usable(info, chosen, channels);
   return chosen;
+}
+
+}  // namespace
+
+bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour) {
+  const std::vector<Layer> layers = find_pictures(channels);
+  return std::any_of(layers.begin(), layers.end(), [&](const Layer& found) {
+    return (layer.empty() || found.name == layer || platform::printable(found.name) == layer) &&
+           (!in_colour || found.channels.kind != Kind::luminance);
+  });
+}
+
+ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options) {
+  return call_openexr(file.path(), [&] {
+    const ExrParts parts = read_exr_parts(file);
+    ExrPicture picture;
+    picture.info.path = file.path();
+    picture.info.format = FileFormat::openexr;
+    picture.input = input_of(file);
+    name_parts(picture.info, parts);
+    const std::size_t index = choose_exr_part(parts, file.path(), options.part, options.layer);
+    const ExrPart& part = parts.parts[index];
+    picture.part = static_cast<int>(index);
+    picture.tiled = part.tiled;
+    name_compression(picture, part.header);
+    place_windows(picture, part, options.layout);
+    picture.table_bytes = bytes_of_headers(parts) + check_exr_tables(parts, file);
+    picture.channels = choose_exr_channels(picture.info, part.header.channels(), options.layer);
+    decide_exr_layout(picture, part.header, options.layout);
+    choose_level(picture, part, options.level);
+    measure_units(picture, part.header);
+    picture.prefiltered = has_roughness(part.header);
+    picture.to_rec709 = exr_colour_matrix(picture.info, part.header, picture.channels.kind, options.primaries);
+    return picture;
+  });
 }
 
 }  // namespace welkin::files

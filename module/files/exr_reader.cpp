@@ -2,6 +2,7 @@
 #include <ImfChromaticities.h>
 #include <ImfHeader.h>
 #include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfRgbaYca.h>
 #include <ImfStandardAttributes.h>
@@ -15,6 +16,7 @@
 #include "files/codecs.h"
 #include "files/exr.h"
 #include "files/primaries.h"
+#include "files/textures.h"
 
 namespace welkin::files {
 namespace {
@@ -51,18 +53,118 @@ bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& f
          (header.type() == Imf::TILEDIMAGE) == picture.tiled && (!picture.tiled || are_same_tiles(picture, header));
 }
 
-}  // namespace
-
-// Every reader opens the file anew. If it is another one by now, its rows may not fit where they would go.
-ExrFile::ExrFile(const ExrPicture& picture)
-    : bytes(open_file(picture.input)), stream(bytes), file(stream, kLibraryThreads) {
-  if (!is_same_picture(picture, file)) {
-    throw platform::file_error(ErrorCode::file_access, picture.info.path,
-                               "has changed while it was read; read it again");
+// A handle on one part of an OpenEXR file: one for every reader, which opens the file again. If it is another one by
+// now, its rows may not fit where they would go.
+//
+// Decoding is done by whoever calls, on as many readers as it likes: the library's own thread pool is left as the
+// program has it, and no reader asks for any of it.
+//
+// Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
+// whose writer was stopped), the library finds the blocks itself on opening.
+struct ExrFile {
+  // Throws `Error`: file_access if the file is not the one that `picture` was made from.
+  explicit ExrFile(const ExrPicture& picture)
+      : bytes(open_file(picture.input)), stream(bytes), file(stream, kLibraryThreads) {
+    if (!is_same_picture(picture, file)) {
+      throw platform::file_error(ErrorCode::file_access, picture.info.path,
+                                 "has changed while it was read; read it again");
+    }
   }
+
+  platform::ByteFile bytes;
+  ExrStream stream;
+  Imf::MultiPartInputFile file;
+};
+
+/// How many of the positions first to last are multiples of `step`.
+std::size_t samples(int first, int last, int step) {
+  const auto below = [step](int position) {  // multiples up to this one, from an arbitrary one on
+    return position >= 0 ? position / step : -((-position + step - 1) / step);
+  };
+  return static_cast<std::size_t>(below(last) - below(first - 1));
 }
 
-namespace {
+/// Of one row, all channels.
+std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_column, int last_column) {
+  std::uint64_t bytes = 0;
+  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+    const Imf::Channel& one = channel.channel();
+    if (samples(row, row, one.ySampling) == 0) continue;
+    bytes += samples(first_column, last_column, one.xSampling) * (one.type == Imf::HALF ? 2U : 4U);
+  }
+  return bytes;
+}
+
+/// What OpenEXR's run lengths unpack to: a count below 0 stands before so many bytes, one from 0 on before a byte that
+/// stands for one more than that (ImfRle.cpp).
+std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
+  std::uint64_t bytes = 0;
+  for (std::size_t at = 0; at + 1 < packed.size();) {
+    constexpr std::size_t kMinNegative = 128;  // of bytes that stand for numbers in two's complement
+    const std::size_t count = static_cast<unsigned char>(packed[at]);
+    const bool negative = count >= kMinNegative;
+    const std::size_t length = negative ? 2 * kMinNegative - count : count + 1;
+    bytes += length;
+    at += negative ? 1 + length : 2;
+  }
+  return bytes;
+}
+
+/// Blocks that the library has just decoded: do they hold all of their texels? The library (3.1) looks at the length of
+/// what most of its codecs give, but not of ZIP's, RLE's and uncompressed blocks: the rest of their texels would be
+/// whatever its memory held.
+class ExrBlocks {
+ public:
+  /// Both outlive this.
+  ExrBlocks(const ExrPicture& picture, const Imf::Header& header) : picture_(picture), header_(header) {}
+
+  /// Throws `Error` (corrupt_file) if the block of rows, which the library has read since this was asked last, unpacks
+  /// to less than its texels take. `row`: any of it, in the file's coordinates. Costs undoing ZIP once more.
+  void check_rows(ExrStream& stream, int row) const {
+    const std::optional<std::span<const char>> block = stream.take_block();
+    if (!block) return;
+    const Imath::Box2i& window = header_.dataWindow();
+    const int first = row - (row - window.min.y) % picture_.unit_rows;
+    std::uint64_t expected = 0;
+    for (int each = first; each <= std::min(first + picture_.unit_rows - 1, window.max.y); ++each) {
+      expected += row_bytes(header_.channels(), each, window.min.x, window.max.x);
+    }
+    check(*block, expected, "the block of row " + std::to_string(first));
+  }
+
+  /// The same of a tile of the picture's level.
+  void check_tile(ExrStream& stream, int column, int row) const {
+    const std::optional<std::span<const char>> block = stream.take_block();
+    if (!block) return;
+    const Imf::TileDescription& tiles = header_.tileDescription();
+    const auto width = static_cast<int>(tiles.xSize);
+    const int columns = std::min(width, picture_.data_width - column * width);
+    const int rows = std::min(picture_.unit_rows, picture_.data_height - row * picture_.unit_rows);
+    const std::uint64_t expected = static_cast<std::uint64_t>(rows) * row_bytes(header_.channels(), 0, 0, columns - 1);
+    check(*block, expected, "tile " + std::to_string(column) + ", " + std::to_string(row));
+  }
+
+ private:
+  void check(std::span<const char> block, std::uint64_t expected, const std::string& what) const {
+    std::optional<std::uint64_t> unpacked = block.size();
+    if (block.size() < expected) {  // a longer one is not packed, whatever the header says
+      switch (header_.compression()) {
+        case Imf::NO_COMPRESSION: break;
+        case Imf::RLE_COMPRESSION: unpacked = unpacked_rle_bytes(block); break;
+        case Imf::ZIP_COMPRESSION:
+        case Imf::ZIPS_COMPRESSION: unpacked = unpacked_zlib_bytes(block, expected); break;
+        default: return;
+      }
+    }
+    if (!unpacked || *unpacked >= expected) return;
+    throw platform::file_error(ErrorCode::corrupt_file, picture_.info.path,
+                               what + " unpacks to " + std::to_string(*unpacked) + " bytes, its texels take " +
+                                   std::to_string(expected) + "; fetch or export it again");
+  }
+
+  const ExrPicture& picture_;
+  const Imf::Header& header_;
+};
 
 using Kind = ExrChannels::Kind;
 
@@ -213,62 +315,7 @@ class FramedReader final : public RowReader {
   std::vector<float> stored_;  // one unit's rows
 };
 
-class ExrSource final : public RowSource {
- public:
-  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info, picture.input), picture_(picture) {}
-
-  [[nodiscard]] int natural_rows() const override {
-    const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)
-                                                                      : picture_.unit_rows;
-    return std::min(rows, picture_.info.height);
-  }
-
-  [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
-  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
-
-  // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
-  // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    const std::uint64_t rows = rgb_bytes(picture_.data_width, picture_.unit_rows);
-    return 5 * picture_.unit_bytes + (picture_.tiled ? rows : 0) + (picture_.is_framed() ? rows : 0) +
-           (picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(picture_.data_width) : 0) +
-           picture_.table_bytes + (std::uint64_t{1} << 20U);
-  }
-
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return call_openexr(picture_.info.path, [&] {
-      std::unique_ptr<RowReader> reader = open_stored_rows();
-      if (picture_.channels.kind == Kind::luminance || picture_.to_rec709) {
-        reader = std::make_unique<ColourReader>(std::move(reader), picture_);
-      }
-      if (picture_.is_framed()) {
-        reader = std::make_unique<FramedReader>(std::move(reader), picture_);
-      }
-      return reader;
-    });
-  }
-
- private:
-  [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
-    if (picture_.channels.kind == Kind::luminance_chroma) {
-      return open_luminance_chroma(picture_);
-    }
-    if (picture_.tiled) {
-      return std::make_unique<TiledReader>(picture_);
-    }
-    return std::make_unique<ScanlineReader>(picture_);
-  }
-
-  ExrPicture picture_;
-};
-
-}  // namespace
-
-std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options) {
-  return std::make_unique<ExrSource>(inspect_exr(file, options));
-}
-
-namespace {
+// Pictures of luminance and subsampled chroma.
 
 namespace yca = Imf::RgbaYca;
 
@@ -279,6 +326,10 @@ constexpr int kNaturalRows = 128;
 
 const Imf::Rgba kBlack(0.0F, 0.0F, 0.0F, 0.0F);
 
+// Reads the stored rows (data_width x data_height) as RGB in the file's primaries, to the very halves that OpenEXR's
+// RgbaInputFile gives: the same functions (ImfRgbaYca.h) in the same order. Rows decode in blocks, and a block needs 14
+// more rows above and below, which the next block takes over.
+//
 // Positions are rows of the file's coordinates, of which even ones have chroma. They may lie outside of the data window
 // by the margin; the nearest row with chroma stands in there.
 class LuminanceChromaReader final : public RowReader {
@@ -406,16 +457,67 @@ class LuminanceChromaReader final : public RowReader {
   int held_end_ = 0;
 };
 
-}  // namespace
-
-std::unique_ptr<RowReader> open_luminance_chroma(const ExrPicture& picture) {
-  return std::make_unique<LuminanceChromaReader>(picture);
-}
-
+// What such a reader holds beside the library's own blocks, in bytes.
 std::uint64_t luminance_chroma_bytes(int width) noexcept {
   return sizeof(Imf::Rgba) * (static_cast<std::uint64_t>(width) * (kHeldRows + 5) + yca::N);
 }
 
+// Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
 int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_rows - 1) / unit_rows * unit_rows; }
+
+class ExrSource final : public RowSource {
+ public:
+  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info, picture.input), picture_(picture) {}
+
+  [[nodiscard]] int natural_rows() const override {
+    const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)
+                                                                      : picture_.unit_rows;
+    return std::min(rows, picture_.info.height);
+  }
+
+  [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
+  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
+
+  // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
+  // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
+  [[nodiscard]] std::uint64_t reader_bytes() const override {
+    const std::uint64_t rows = rgb_bytes(picture_.data_width, picture_.unit_rows);
+    return 5 * picture_.unit_bytes + (picture_.tiled ? rows : 0) + (picture_.is_framed() ? rows : 0) +
+           (picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(picture_.data_width) : 0) +
+           picture_.table_bytes + (std::uint64_t{1} << 20U);
+  }
+
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
+    return call_openexr(picture_.info.path, [&] {
+      std::unique_ptr<RowReader> reader = open_stored_rows();
+      if (picture_.channels.kind == Kind::luminance || picture_.to_rec709) {
+        reader = std::make_unique<ColourReader>(std::move(reader), picture_);
+      }
+      if (picture_.is_framed()) {
+        reader = std::make_unique<FramedReader>(std::move(reader), picture_);
+      }
+      return reader;
+    });
+  }
+
+ private:
+  [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
+    if (picture_.channels.kind == Kind::luminance_chroma) {
+      return std::make_unique<LuminanceChromaReader>(picture_);
+    }
+    if (picture_.tiled) {
+      return std::make_unique<TiledReader>(picture_);
+    }
+    return std::make_unique<ScanlineReader>(picture_);
+  }
+
+  ExrPicture picture_;
+};
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options) {
+  return std::make_unique<ExrSource>(inspect_exr(file, options));
+}
 
 }  // namespace welkin::files

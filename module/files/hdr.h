@@ -175,9 +175,10 @@ class HdrTexels {
 
 // Radiance pictures (.hdr, .pic, .rgbe, .xyze) as rows.
 
-/// `file` stands at its beginning and starts with "#?". See hdr_header.h for what of the header is obeyed,
-/// hdr_scanlines.h for the codes and the numbers. XYZE and pictures with PRIMARIES become Rec. 709 unless they are
-/// wanted as stored; one without PRIMARIES is taken to be Rec. 709, as by all programs but Radiance itself.
+/// `file` stands at its beginning and starts with "#?". See `read_hdr_header` for what of the header is obeyed,
+/// `HdrScanlines` and `HdrTexels` for the codes and the numbers. XYZE and pictures with PRIMARIES become Rec. 709
+/// unless they are wanted as stored; one without PRIMARIES is taken to be Rec. 709, as by all programs but Radiance
+/// itself.
 ///
 /// Rows that are scanlines stream. Where columns are the scanlines, the first read decodes the whole picture, which
 /// all readers share: 4 bytes a texel.

@@ -35,16 +35,6 @@ struct GainMap {
   std::array<double, 3> alternate_offset{1.0 / 64, 1.0 / 64, 1.0 / 64};
 };
 
-/// From the XMP packet of a gain map's own JPEG. Nothing if the packet is about other things.
-/// Throws `Error` (corrupt_file) for numbers that are missing, no numbers, or out of range.
-[[nodiscard]] std::optional<GainMap> gain_map_from_xmp(std::string_view packet, const std::filesystem::path& path);
-
-/// From the bytes of ISO 21496-1's segment, after its name. Nothing if they hold a version alone, as in the base
-/// picture. Throws `Error`: corrupt_file as above, unsupported_file for a later
-/// version.
-[[nodiscard]] std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes,
-                                                       const std::filesystem::path& path);
-
 /// Factors 2^gain of samples of 8 bits, or of values between them.
 class GainCurve {
  public:

@@ -58,21 +58,14 @@ std::vector<Sample> samples_of(TexelFormat format) {
   return {};
 }
 
-/// supercompressionScheme.
-std::uint32_t ktx2_scheme(Supercompression supercompression) noexcept {
-  switch (supercompression) {
-    case Supercompression::none: return 0;
-    case Supercompression::zstd: return 2;
-    case Supercompression::zlib: return 3;
-  }
-  return 0;
-}
+/// supercompressionScheme, by the enumerators' values.
+constexpr std::array kSchemes{0U, 3U, 2U};
+static_assert(kSchemes.size() == static_cast<std::size_t>(Supercompression::zstd) + 1);
 
 std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) noexcept {
-  for (const auto known : {Supercompression::none, Supercompression::zlib, Supercompression::zstd}) {
-    if (ktx2_scheme(known) == scheme) return known;
-  }
-  return std::nullopt;
+  const auto found = std::find(kSchemes.begin(), kSchemes.end(), scheme);
+  if (found == kSchemes.end()) return std::nullopt;
+  return static_cast<Supercompression>(found - kSchemes.begin());
 }
 
 /// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
@@ -333,8 +326,9 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
   for (const std::uint32_t field :
        {traits(kind).vulkan, traits(kind).unit, static_cast<std::uint32_t>(shape.width),
         static_cast<std::uint32_t>(shape.height), shape.depth, shape.layers, shape.faces,
-        static_cast<std::uint32_t>(places.size()), ktx2_scheme(options.supercompression), descriptor_offset,
-        descriptor_size, descriptor_offset + descriptor_size, static_cast<std::uint32_t>(metadata.size())}) {
+        static_cast<std::uint32_t>(places.size()), kSchemes[static_cast<std::size_t>(options.supercompression)],
+        descriptor_offset, descriptor_size, descriptor_offset + descriptor_size,
+        static_cast<std::uint32_t>(metadata.size())}) {
     platform::append_little_endian(bytes, field);
   }
   platform::append_little_endian(bytes, std::uint64_t{0});  // no supercompression global data: offset and bytes

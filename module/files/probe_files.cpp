@@ -1,11 +1,15 @@
-// Grids of probes from files of captures, and to files with a description in JSON.
+// Grids of probes from files of captures, and to files with a description in JSON and back.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -98,39 +102,37 @@ void require_files(const ProbeGrid& grid, std::span<const FileInput> cubes, std:
                                                std::to_string(grid.size()) + " probes; pass one per probe");
 }
 
-// ---- To files
+// ---- The file of arrays
 
-/// An array in the file of arrays.
-template <class Value>
-Json append_array(std::vector<std::uint8_t>& bytes, const char* name, const char* type, std::vector<std::size_t> shape,
-                  std::span<const Value> values) {
-  const std::size_t offset = bytes.size();
-  bytes.resize(offset + values.size_bytes());
-  if (!values.empty()) std::memcpy(bytes.data() + offset, values.data(), values.size_bytes());
-  const std::size_t whole = (bytes.size() + 7) / 8 * 8;
-  bytes.resize(whole);
-  return {
-      {"name", name}, {"type", type}, {"shape", std::move(shape)}, {"offset", offset}, {"bytes", values.size_bytes()}};
-}
+using Shape = std::vector<std::size_t>;  ///< of an array's values, of which a `dvec3` is one
 
-Json append_arrays(std::vector<std::uint8_t>& bytes, const BakedProbes& probes) {
+/// One list for both ways: the arrays' names, types of numbers, values and shapes, in the file's order, and whether a
+/// file may lack it. Probes: BakedProbes or const BakedProbes.
+template <class Probes, class Use>
+void for_each_array(Probes& probes, const Use& use) {
   const std::size_t count = probes.grid.size();
   const auto edge = static_cast<std::size_t>(probes.distance_edge());
-  const auto functions = [](int bands) { return static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands); };
-  const std::span<const double> numbers(count > 0 ? &probes.coefficients[0].x : nullptr,
-                                        3 * probes.coefficients.size());
+  use("coefficients", "float64", probes.coefficients, Shape{count, probes::squared(probes.bands)}, false);
+  use("validity", "float32", probes.validity, Shape{count}, false);
+  use("passes", "uint8", probes.passes, Shape{count}, false);
+  use("distances", "float32", probes.distances, Shape{count, edge, edge, 2}, false);
+  use("sky", "float64", probes.sky, Shape{count, probes::squared(probes.sky_bands)}, false);
+  use("offsets", "float64", probes.offsets, Shape{count}, true);
+}
+
+// ---- To files
+
+Json append_arrays(std::vector<std::uint8_t>& bytes, const BakedProbes& probes) {
   Json entries = Json::array();
-  entries.push_back(append_array(bytes, "coefficients", "float64", {count, functions(probes.bands), 3}, numbers));
-  entries.push_back(append_array(bytes, "validity", "float32", {count}, std::span<const float>(probes.validity)));
-  entries.push_back(append_array(bytes, "passes", "uint8", {count}, std::span<const std::uint8_t>(probes.passes)));
-  entries.push_back(
-      append_array(bytes, "distances", "float32", {count, edge, edge, 2}, std::span<const float>(probes.distances)));
-  entries.push_back(
-      append_array(bytes, "sky", "float64", {count, functions(probes.sky_bands)}, std::span<const double>(probes.sky)));
-  if (!probes.offsets.empty()) {
-    entries.push_back(append_array(bytes, "offsets", "float64", {count, 3},
-                                   std::span<const double>(&probes.offsets[0].x, 3 * probes.offsets.size())));
-  }
+  for_each_array(probes, [&](const char* name, const char* type, const auto& values, Shape shape, bool optional) {
+    if (optional && values.empty()) return;
+    if (sizeof values.front() == sizeof(dvec3)) shape.push_back(3);
+    const std::size_t offset = bytes.size();
+    const std::span<const std::byte> raw = std::as_bytes(std::span(values));
+    bytes.resize((offset + raw.size() + 7) / 8 * 8);
+    if (!raw.empty()) std::memcpy(bytes.data() + offset, raw.data(), raw.size());
+    entries.push_back({{"name", name}, {"type", type}, {"shape", shape}, {"offset", offset}, {"bytes", raw.size()}});
+  });
   return entries;
 }
 
@@ -285,6 +287,191 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
   output.add(arrays_path).write(arrays.data(), arrays.size());
   write_json(output.add(path), description, 2);
   return output.commit(clamped, control);
+}
+
+// ---- Back
+
+namespace {
+
+using ParsedJson = nlohmann::json;  // finds a name at once; the ordered one looks through all of them
+using platform::ByteFile;
+using platform::file_error;
+
+constexpr std::uint64_t kLongestText = std::uint64_t{1} << 20U;
+constexpr int kDeepestNesting = 8;
+constexpr double kLargestExact = 9007199254740992.0;  // 2^53
+
+/// The description and the name that messages give it.
+class Description {
+ public:
+  explicit Description(const FileInput& input) : path_(input.path()) {
+    ByteFile file(input.path(), input.bytes());
+    if (file.size() > kLongestText) {
+      throw file_error(ErrorCode::limit_exceeded, path_,
+                       "has " + std::to_string(file.size()) +
+                           " bytes, more than a description of probes has; pass the file that write_probes was given");
+    }
+    std::string text(static_cast<std::size_t>(file.size()), '\0');
+    file.read(text.data(), text.size());
+    const auto not_too_deep = [](int depth, ParsedJson::parse_event_t /*event*/, ParsedJson& /*parsed*/) {
+      return depth < kDeepestNesting;
+    };
+    json_ = ParsedJson::parse(text, not_too_deep, false);
+    if (!json_.is_object() || json_.value("format", ParsedJson()) != "welkin probes") {
+      throw file_error(ErrorCode::unsupported_file, path_, "is no description of probes; write one by write_probes");
+    }
+    if (json_.value("version", ParsedJson()) != 1) {
+      throw file_error(ErrorCode::unsupported_file, path_, "has a version that this library does not read; update it");
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& message) const {
+    throw file_error(ErrorCode::corrupt_file, path_, message);
+  }
+
+  [[nodiscard]] const ParsedJson& at(const ParsedJson& object, const char* key) const {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    if (!object.is_object() || found == object.end()) refuse(std::string("has no \"") + key + "\"");
+    return *found;
+  }
+  [[nodiscard]] const ParsedJson& at(const char* key) const { return at(json_, key); }
+
+  [[nodiscard]] double number(const ParsedJson& value, const char* key) const {
+    if (!value.is_number()) refuse(std::string("has a \"") + key + "\" that is not a number");
+    return value.get<double>();
+  }
+  /// From 0 to 2^53.
+  [[nodiscard]] std::uint64_t whole(const ParsedJson& value, const char* key) const {
+    const double found = number(value, key);
+    if (!(found >= 0.0 && found <= kLargestExact) || found != std::floor(found)) {
+      refuse(std::string("has a \"") + key + "\" that is not a whole number");
+    }
+    return static_cast<std::uint64_t>(found);
+  }
+  /// That many, at most.
+  [[nodiscard]] int small(const char* key, int most) const {
+    const std::uint64_t found = whole(at(key), key);
+    if (found > static_cast<std::uint64_t>(most)) {
+      refuse(std::string("has ") + std::to_string(found) + " as its \"" + key + "\"; it can be " +
+             std::to_string(most) + " at most");
+    }
+    return static_cast<int>(found);
+  }
+  [[nodiscard]] const ParsedJson& three(const ParsedJson& object, const char* key) const {
+    const ParsedJson& value = at(object, key);
+    if (!value.is_array() || value.size() != 3) refuse(std::string("has a \"") + key + "\" that is not three numbers");
+    return value;
+  }
+  [[nodiscard]] const std::string& text(const ParsedJson& object, const char* key) const {
+    const ParsedJson& value = at(object, key);
+    if (!value.is_string()) refuse(std::string("has a \"") + key + "\" that is not text");
+    return value.get_ref<const std::string&>();
+  }
+
+  [[nodiscard]] ProbeGrid grid() const {
+    const ParsedJson& described = at("grid");
+    ProbeGrid grid;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::uint64_t count = whole(three(described, "counts")[axis], "counts");
+      grid.counts[axis] = count > 0xffff ? 0xffff : static_cast<int>(count);  // the check refuses either
+      grid.origin[static_cast<int>(axis)] = number(three(described, "origin")[axis], "origin");
+      grid.spacing[static_cast<int>(axis)] = number(three(described, "spacing")[axis], "spacing");
+    }
+    try {
+      probes::check_grid(grid);
+    } catch (const Error& error) {
+      refuse(std::string("has a grid that cannot be: ") + error.what());
+    }
+    return grid;
+  }
+
+  /// The entry of an array; nothing if there is none of that name.
+  [[nodiscard]] const ParsedJson* entry(const char* name) const {
+    const ParsedJson& entries = at(at("arrays"), "entries");
+    if (!entries.is_array()) refuse("has \"entries\" that are no list");
+    for (const ParsedJson& each : entries) {
+      if (text(each, "name") == name) return &each;
+    }
+    return nullptr;
+  }
+
+ private:
+  std::filesystem::path path_;
+  ParsedJson json_;
+};
+
+/// Reads the arrays, of which each must have the size that grid, bands and sizes give it.
+class Arrays {
+ public:
+  Arrays(const Description& description, const FileInput& file)
+      : description_(description), file_(file.path(), file.bytes()) {}
+
+  template <class Value>
+  void read(const char* name, const char* type, std::vector<Value>& values, const Shape& shape, bool optional) {
+    const std::size_t count = std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+    const ParsedJson* entry = description_.entry(name);
+    if (entry == nullptr) {
+      if (optional) return;
+      description_.refuse(std::string("names no array \"") + name + "\"");
+    }
+    const std::string called = std::string("its array \"") + name + "\" ";
+    if (description_.text(*entry, "type") != type) description_.refuse(called + "is not of type " + type);
+    const std::uint64_t bytes = description_.whole(description_.at(*entry, "bytes"), "bytes");
+    if (bytes != std::uint64_t{count} * sizeof(Value)) {
+      description_.refuse(called + "has " + std::to_string(bytes) + " bytes; the grid and its sizes need " +
+                          std::to_string(std::uint64_t{count} * sizeof(Value)));
+    }
+    const std::uint64_t offset = description_.whole(description_.at(*entry, "offset"), "offset");
+    if (offset > file_.size() || bytes > file_.size() - offset) {  // before memory is taken
+      throw file_error(ErrorCode::corrupt_file, file_.path(),
+                       "has " + std::to_string(file_.size()) + " bytes and ends before " + called + "does");
+    }
+    values.resize(count);
+    file_.seek(offset);
+    if (bytes > 0) file_.read(values.data(), static_cast<std::size_t>(bytes));
+  }
+
+ private:
+  const Description& description_;
+  ByteFile file_;
+};
+
+FileInput arrays_of(const Description& description, const FileInput& input) {
+  if (input.bytes()) {
+    throw Error(ErrorCode::invalid_argument, "read_probes: the description is in memory; pass the file of arrays too");
+  }
+  const std::filesystem::path named = platform::path_of(description.text(description.at("arrays"), "file"));
+  // A name beside the description, and no way to other files.
+  if (named.empty() || named != named.filename() || named == "." || named == "..") {
+    description.refuse("names a file of arrays in another folder");
+  }
+  return input.path().parent_path() / named;
+}
+
+}  // namespace
+
+BakedProbes read_probes(const FileInput& input, const std::optional<FileInput>& arrays) {
+  const platform::FloatingPointScope floating_point;
+  const Description description(input);
+  BakedProbes read;
+  read.grid = description.grid();
+  read.bands = description.small("bands", probes::kMaxBands);
+  read.distance_size = description.small("distance_size", 64);
+  read.distance_limit = description.number(description.at("distance_limit"), "distance_limit");
+  read.sky_bands = description.small("sky_bands", kMaximumBands);
+  if (read.bands == 0) description.refuse("has 0 as its \"bands\"; it must have 1 to 4");
+  if (description.text(description.at("arrays"), "byte_order") != "little") {
+    description.refuse("has a \"byte_order\" other than little");
+  }
+  Arrays file(description, arrays ? *arrays : arrays_of(description, input));
+  for_each_array(read, [&](const char* name, const char* type, auto& values, const Shape& shape, bool optional) {
+    file.read(name, type, values, shape, optional);
+  });
+  for (const std::uint8_t pass : read.passes) {
+    if (pass != 0) ++read.invalid;
+    if (pass == probes::kUnfilled) ++read.unfilled;
+  }
+  return read;
 }
 
 }  // namespace welkin

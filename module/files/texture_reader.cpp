@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "files/astc.h"
 #include "files/layout.h"
 #include "files/textures.h"
 #include "image/bc6h.h"
@@ -14,6 +13,7 @@
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "welkin/image.h"
 
 namespace welkin::files {
@@ -89,12 +89,8 @@ bool is_dds(std::string_view start) { return start.starts_with("DDS "sv); }
 }  // namespace
 
 const char* name(Supercompression supercompression) noexcept {
-  switch (supercompression) {
-    case Supercompression::none: return "none";
-    case Supercompression::zlib: return "zlib";
-    case Supercompression::zstd: return "zstd";
-  }
-  return "unknown";
+  constexpr std::array names{"none", "zlib", "zstd"};
+  return platform::name_in<Supercompression::zstd>(names, supercompression, "unknown");
 }
 
 bool is_texture(std::string_view start) { return is_ktx(start) || is_dds(start); }

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "files/astc.h"
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"

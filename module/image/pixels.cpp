@@ -10,8 +10,8 @@
 
 #include "image/image_kernels.h"
 #include "jobs/tiles.h"
+#include "platform/compiler.h"
 #include "platform/file.h"
-#include "platform/sent_code.h"
 #include "platform/standard_library.h"
 #include "welkin/core.h"
 #include "welkin/image.h"

@@ -5,6 +5,9 @@
 // it for their speed, and so that no instruction set's copy of a function can stand in for another's.
 // WELKIN_INLINE_LAMBDA stands behind a lambda's parameters and says the same of it.
 //
+// WELKIN_INLINE_UNLESS_SENT: the same, but where code is sent over a network before it can run, as WebAssembly is to a
+// page: large kernels are called there instead of inlined, and have fewer variants (`kCodeIsSent`).
+//
 // WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
 // repeat the load that it came from. It changes no bits; other compilers do without.
 //
@@ -58,3 +61,19 @@
 #define WELKIN_FETCH(p) static_cast<void>(p)
 #define WELKIN_RUN_BEFORE_STATIC_OBJECTS [[maybe_unused]]
 #endif
+
+#if defined(__wasm__)
+#define WELKIN_INLINE_UNLESS_SENT __attribute__((noinline))
+#else
+#define WELKIN_INLINE_UNLESS_SENT WELKIN_INLINE
+#endif
+
+namespace welkin::platform {
+
+#if defined(__wasm__)
+inline constexpr bool kCodeIsSent = true;
+#else
+inline constexpr bool kCodeIsSent = false;
+#endif
+
+}  // namespace welkin::platform

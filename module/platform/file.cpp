@@ -1,6 +1,7 @@
 #include "platform/file.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -11,19 +12,9 @@
 namespace welkin {
 
 const char* name(ErrorCode code) noexcept {
-  switch (code) {
-    case ErrorCode::invalid_argument: return "invalid_argument";
-    case ErrorCode::rejected_pixel: return "rejected_pixel";
-    case ErrorCode::file_access: return "file_access";
-    case ErrorCode::corrupt_file: return "corrupt_file";
-    case ErrorCode::unsupported_file: return "unsupported_file";
-    case ErrorCode::limit_exceeded: return "limit_exceeded";
-    case ErrorCode::cancelled: return "cancelled";
-    case ErrorCode::replaced: return "replaced";
-    case ErrorCode::queue_full: return "queue_full";
-    case ErrorCode::stopped: return "stopped";
-  }
-  return "unknown";
+  constexpr std::array names{"invalid_argument", "rejected_pixel", "file_access", "corrupt_file", "unsupported_file",
+                             "limit_exceeded",   "cancelled",      "replaced",    "queue_full",   "stopped"};
+  return platform::name_in<ErrorCode::stopped>(names, code, "unknown");
 }
 
 }  // namespace welkin

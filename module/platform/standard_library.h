@@ -54,17 +54,10 @@ template <class Range, class Test>
 [[nodiscard]] auto count_if(const Range& range, const Test& test) {
   return std::count_if(std::begin(range), std::end(range), test);
 }
-template <class Range, class Test>
-[[nodiscard]] auto find_if(Range& range, const Test& test) {
-  return std::find_if(std::begin(range), std::end(range), test);
-}
-template <class Range, class Value, class Part>
-[[nodiscard]] auto count(const Range& range, const Value& value, Part part) {
-  return count_if(range, [&](const auto& element) { return std::invoke(part, element) == value; });
-}
 template <class Range, class Value, class Part>
 [[nodiscard]] auto find(Range& range, const Value& value, Part part) {
-  return find_if(range, [&](const auto& element) { return std::invoke(part, element) == value; });
+  return std::find_if(std::begin(range), std::end(range),
+                      [&](const auto& element) { return std::invoke(part, element) == value; });
 }
 template <class Range>
 [[nodiscard]] bool is_sorted(const Range& range) {

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "math/basis.h"
-#include "platform/sent_code.h"
+#include "platform/compiler.h"
 #include "simd/dispatch.h"
 #include "welkin/image.h"
 

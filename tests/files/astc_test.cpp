@@ -1,6 +1,4 @@
 // KTX2 textures in blocks of ASTC.
-#include "files/astc.h"
-
 #include "files/textures.h"
 #include "image/pixels.h"
 #include "support/catch.h"

@@ -1,6 +1,4 @@
 // Working memory that stays between calls: what is kept, what is freed, and that nobody reads what nobody wrote.
-#include "platform/working_memory.h"
-
 #include "platform/memory.h"
 #include "support/catch.h"
 #include "support/kept_memory.h"

@@ -2,7 +2,7 @@
 // nobody wrote, also in tables that are made once, changes results that are on record.
 #include <cstdlib>
 
-#include "platform/working_memory.h"
+#include "platform/memory.h"
 
 namespace welkin::test {
 namespace {
