@@ -155,9 +155,7 @@ struct BrightRegion {
 /// Returns Int d dw over each texel: near a lat-long's pole, and in a large texel, the light's centroid is not at the
 /// centre.
 std::vector<glm::dvec3> first_moments_of(const image::TexelGrid& grid, const std::vector<std::int64_t>& texels) {
-  const std::unique_ptr<TexelIntegrals> rows = grid.kind() == image::TexelGrid::Kind::lat_long
-                                                   ? texels_of_lat_long(grid.columns(), grid.rows())
-                                                   : texels_of_cubemap(grid.columns());
+  const std::unique_ptr<TexelIntegrals> rows = texel_integrals_of(grid);
   TexelRow row(static_cast<std::size_t>(grid.columns()));
   std::vector<glm::dvec3> result;
   std::int64_t known_row = -1;
