@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "files/row_source.h"
+#include "image/pixels.h"
 #include "platform/file.h"
 #include "platform/text.h"
-#include "projection/sanitizer.h"
 #include "welkin/environment_file.h"
 
 namespace welkin::files {

@@ -5,9 +5,9 @@
 #include <string>
 #include <string_view>
 
+#include "image/pixels.h"
 #include "platform/file.h"
 #include "platform/text.h"
-#include "projection/sanitizer.h"
 #include "welkin/core.h"
 
 namespace welkin::files {

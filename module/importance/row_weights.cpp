@@ -38,16 +38,7 @@ std::span<const float> RowWeights::read(int row, Scratch& scratch) const {
   } else {
     image::decode_texels(source_.format, texels, columns, scratch.rgb.data());
     if (sanitizer_.may_change(source_.format, rgb, columns)) {
-      static constexpr float kUnused = 0.0F;  // what a clamp takes away is of no interest here
-      sanitizer_.sanitize({.rgb = scratch.rgb.data(),
-                           .count = columns,
-                           .face = 0,
-                           .row = row,
-                           .first_column = 0,
-                           .weights = &kUnused,
-                           .weight_step = 0,
-                           .weight_scale = 1.0},
-                          scratch.record);
+      sanitizer_.sanitize({.rgb = scratch.rgb.data(), .count = columns, .row = row}, scratch.record);
     }
   }
   switch (weight_) {

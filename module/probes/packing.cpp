@@ -25,6 +25,7 @@
 #include "jobs/tiles.h"
 #include "math/elementary.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
 #include "welkin/engines.h"
@@ -38,34 +39,25 @@ using Texel = std::array<float, 4>;
 
 constexpr int kMaxTexels = 2048;  // along an edge of a texture
 
-/// A texture that is being filled.
-class Filling {
- public:
-  Filling(PackedProbes& packed, const char* name, std::array<int, 3> size, bool is_array = false)
-      : size_(size), index_(packed.textures.size()) {
-    for (const int edge : size)
-      image::require_range("texels along an edge of a texture of probes", edge, 1, kMaxTexels);
-    packed.textures.push_back(
-        {name, size,
-         std::vector<std::uint16_t>(std::size_t{4} * static_cast<std::size_t>(size[0]) *
-                                    static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2])),
-         is_array});
-  }
+/// Adds a texture that is to be filled.
+void add_texture(PackedProbes& packed, const char* name, const std::array<int, 3>& size, bool is_array = false) {
+  for (const int edge : size) image::require_range("texels along an edge of a texture of probes", edge, 1, kMaxTexels);
+  packed.textures.push_back(
+      {name, size,
+       std::vector<std::uint16_t>(4 * static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
+                                  static_cast<std::size_t>(size[2])),
+       is_array});
+}
 
-  /// Returns how many values did not fit.
-  std::uint64_t set(PackedProbes& packed, int x, int y, int z, const Texel& texel) const {
-    const std::size_t place =
-        (static_cast<std::size_t>(z) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(y)) *
-            static_cast<std::size_t>(size_[0]) +
-        static_cast<std::size_t>(x);
-    auto* halves = reinterpret_cast<std::uint8_t*>(packed.textures[index_].halves.data() + 4 * place);
-    return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
-  }
-
- private:
-  std::array<int, 3> size_;
-  std::size_t index_;
-};
+/// Returns how many values did not fit.
+std::uint64_t set(ProbeTexture& texture, int x, int y, int z, const Texel& texel) {
+  const std::size_t place =
+      (static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.size[1]) + static_cast<std::size_t>(y)) *
+          static_cast<std::size_t>(texture.size[0]) +
+      static_cast<std::size_t>(x);
+  auto* halves = reinterpret_cast<std::uint8_t*>(texture.halves.data() + 4 * place);
+  return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
+}
 
 /// Calls work(slice) for each slice of a texture; returns the sum of what it returns.
 template <class Work>
@@ -95,12 +87,12 @@ constexpr int kMaxBricksInRow = 512;  // 2048 texels
 
 /// Fills a texture whose slices are those of the grid, again and again: texel(slice, x, y).
 template <class TexelAt>
-std::uint64_t fill(PackedProbes& packed, const Filling& texture, const ProbeGrid& grid, int slices, std::int64_t texels,
+std::uint64_t fill(ProbeTexture& texture, const ProbeGrid& grid, int slices, std::int64_t texels,
                    const Control& control, const TexelAt& texel) {
   return for_each_slice(slices, texels, control, [&](int slice) {
     std::uint64_t clamped = 0;
     for (int y = 0; y < grid.counts[1]; ++y) {
-      for (int x = 0; x < grid.counts[0]; ++x) clamped += texture.set(packed, x, y, slice, texel(slice, x, y));
+      for (int x = 0; x < grid.counts[0]; ++x) clamped += set(texture, x, y, slice, texel(slice, x, y));
     }
     return clamped;
   });
@@ -113,8 +105,8 @@ PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
   const int rows = probes.grid.counts[1];
   const int slices = probes.grid.counts[2];
   const int padded = slices + 2;
-  const Filling texture(packed, "texture", {columns, rows, volumes * padded});
-  packed.values_clamped = fill(packed, texture, probes.grid, volumes * padded,
+  add_texture(packed, "texture", {columns, rows, volumes * padded});
+  packed.values_clamped = fill(packed.textures[0], probes.grid, volumes * padded,
                                std::int64_t{64} * columns * rows * padded, control, [&](int slice, int x, int y) {
                                  const int z = std::clamp(slice % padded - 1, 0, slices - 1);
                                  // Nine colours in a row, four numbers of them a volume; the last number is 0.
@@ -136,8 +128,8 @@ PackedProbes pack_plain(const BakedProbes& probes, const Control& control) {
   const int rows = probes.grid.counts[1];
   const int slices = probes.grid.counts[2];
   const int volumes = probes.bands * probes.bands;
-  const Filling texture(packed, "coefficients", {columns, rows, volumes * slices});
-  packed.values_clamped = fill(packed, texture, probes.grid, volumes * slices,
+  add_texture(packed, "coefficients", {columns, rows, volumes * slices});
+  packed.values_clamped = fill(packed.textures[0], probes.grid, volumes * slices,
                                std::int64_t{64} * columns * rows * slices, control, [&](int slice, int x, int y) {
                                  const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
                                  const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
@@ -199,10 +191,9 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
   const auto row_count = (bricks + in_row - 1) / in_row;
   const int rows = static_cast<int>(std::min<std::int64_t>(row_count, kMaxBricksInRow));
   const int layers = static_cast<int>((row_count + rows - 1) / rows);
-  std::vector<Filling> textures;
   const std::size_t count = layout == ProbeLayout::unity_l2 ? 7 : 3;
   for (std::size_t k = 0; k < count; ++k) {
-    textures.emplace_back(packed, names[k], std::array{in_row * kBrickEdge, rows * kBrickEdge, layers * kBrickEdge});
+    add_texture(packed, names[k], {in_row * kBrickEdge, rows * kBrickEdge, layers * kBrickEdge});
   }
   const auto pack_brick = [&](int brick) {
     std::uint64_t clamped = 0;
@@ -218,8 +209,8 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
         for (int x = 0; x < kBrickEdge; ++x) {
           const UnityTexels texels = unity_texels(probes, number_of(probes.grid, at(0, x), at(1, y), at(2, z)),
                                                   layout == ProbeLayout::unity_l2 ? 3 : 2);
-          for (std::size_t k = 0; k < textures.size(); ++k) {
-            clamped += textures[k].set(packed, place[0] + x, place[1] + y, place[2] + z, texels[k]);
+          for (std::size_t k = 0; k < count; ++k) {
+            clamped += set(packed.textures[k], place[0] + x, place[1] + y, place[2] + z, texels[k]);
           }
         }
       }
@@ -311,31 +302,31 @@ struct ProbeTexel {
   int z;
 };
 
-std::uint64_t pack_maps(PackedProbes& packed, const std::vector<Filling>& textures, const BakedProbes& probes,
+std::uint64_t pack_maps(std::vector<ProbeTexture>& textures, const BakedProbes& probes,
                         const std::vector<dvec3>& directions, const ProbeTexel& at) {
   std::uint64_t clamped = 0;
   for (int texel = 0; texel < kIrradianceEdge * kIrradianceEdge; ++texel) {
     const dvec3 light = irradiance_of(probes, at.probe, directions[static_cast<std::size_t>(texel)]);
-    clamped += textures[0].set(packed, at.x * kIrradianceEdge + texel % kIrradianceEdge,
-                               at.z * kIrradianceEdge + texel / kIrradianceEdge, at.y,
-                               {encoded(light.x), encoded(light.y), encoded(light.z), 1.0F});
+    clamped += set(textures[0], at.x * kIrradianceEdge + texel % kIrradianceEdge,
+                   at.z * kIrradianceEdge + texel / kIrradianceEdge, at.y,
+                   {encoded(light.x), encoded(light.y), encoded(light.z), 1.0F});
   }
   const int edge = probes.distance_edge();
   const float* moments = probes.distances.data() + at.probe * distance_floats(probes);
   for (int texel = 0; texel < edge * edge; ++texel, moments += 2) {
-    clamped += textures[1].set(packed, at.x * edge + texel % edge, at.z * edge + texel / edge, at.y,
-                               {0.5F * moments[0], 0.5F * moments[1], 0.0F, 1.0F});
+    clamped += set(textures[1], at.x * edge + texel % edge, at.z * edge + texel / edge, at.y,
+                   {0.5F * moments[0], 0.5F * moments[1], 0.0F, 1.0F});
   }
   const dvec3 moved = probes.offsets.empty() ? dvec3(0.0) : probes.offsets[at.probe] / probes.grid.spacing;
-  return clamped + textures[2].set(packed, at.x, at.z, at.y,
-                                   {static_cast<float>(moved.x), static_cast<float>(moved.y),
-                                    static_cast<float>(moved.z), probes.passes[at.probe] == kUnfilled ? 1.0F : 0.0F});
+  return clamped + set(textures[2], at.x, at.z, at.y,
+                       {static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z),
+                        probes.passes[at.probe] == kUnfilled ? 1.0F : 0.0F});
 }
 
 PackedProbes pack_bevy(const BakedProbes& probes, const Control& control) {
   PackedProbes packed{ProbeLayout::bevy, {}, {}, 0};
   const auto [columns, rows, slices] = probes.grid.counts;
-  const Filling texture(packed, "voxels", {columns, 2 * rows, 3 * slices});
+  add_texture(packed, "voxels", {columns, 2 * rows, 3 * slices});
   const auto pack_slice = [&, columns = columns, rows = rows, slices = slices](int z) {
     std::uint64_t clamped = 0;
     for (int y = 0; y < rows; ++y) {
@@ -344,9 +335,8 @@ PackedProbes pack_bevy(const BakedProbes& probes, const Control& control) {
         for (int side = 0; side < 6; ++side) {
           const dvec3& light = sides[static_cast<std::size_t>(side)];
           const int half = side % 2 == 0 ? rows : 0;  // negative sides
-          clamped += texture.set(
-              packed, x, y + half, z + side / 2 * slices,
-              {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0F});
+          clamped += set(packed.textures[0], x, y + half, z + side / 2 * slices,
+                         {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0F});
         }
       }
     }
@@ -364,16 +354,15 @@ PackedProbes pack_rtxgi(const BakedProbes& probes, const Control& control) {
   PackedProbes packed{ProbeLayout::rtxgi, {}, {}, 0};
   const auto [columns, planes, rows] = probes.grid.counts;
   const int edge = probes.distance_edge();
-  const std::vector<Filling> textures{
-      {packed, "irradiance", {columns * kIrradianceEdge, rows * kIrradianceEdge, planes}, true},
-      {packed, "distance", {columns * edge, rows * edge, planes}, true},
-      {packed, "data", {columns, rows, planes}, true}};
+  add_texture(packed, "irradiance", {columns * kIrradianceEdge, rows * kIrradianceEdge, planes}, true);
+  add_texture(packed, "distance", {columns * edge, rows * edge, planes}, true);
+  add_texture(packed, "data", {columns, rows, planes}, true);
   const std::vector<dvec3> directions = map_directions();
   const auto pack_plane = [&, columns = columns, rows = rows](int y) {
     std::uint64_t clamped = 0;
     for (int z = 0; z < rows; ++z) {
       for (int x = 0; x < columns; ++x) {
-        clamped += pack_maps(packed, textures, probes, directions, {number_of(probes.grid, x, y, z), x, y, z});
+        clamped += pack_maps(packed.textures, probes, directions, {number_of(probes.grid, x, y, z), x, y, z});
       }
     }
     return clamped;
@@ -388,15 +377,8 @@ PackedProbes pack_rtxgi(const BakedProbes& probes, const Control& control) {
 namespace welkin {
 
 const char* name(ProbeLayout layout) noexcept {
-  switch (layout) {
-    case ProbeLayout::three: return "three";
-    case ProbeLayout::unity_l2: return "unity-l2";
-    case ProbeLayout::unity_l1: return "unity-l1";
-    case ProbeLayout::plain: return "plain";
-    case ProbeLayout::bevy: return "bevy";
-    case ProbeLayout::rtxgi: return "rtxgi";
-  }
-  return "";
+  static constexpr std::array kNames{"three", "unity-l2", "unity-l1", "plain", "bevy", "rtxgi"};
+  return platform::name_in<ProbeLayout::rtxgi>(kNames, layout, "");
 }
 
 PackedProbes pack_probes(const BakedProbes& probes, ProbeLayout layout, const Control& control) {

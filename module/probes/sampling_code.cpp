@@ -13,6 +13,7 @@
 #include "math/direction.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "platform/text.h"
 #include "probes/probe_arrays.h"
 #include "welkin/core.h"
 #include "welkin/probes.h"
@@ -210,13 +211,8 @@ std::string wgsl_line(std::string_view line, bool in_structure) {
 }  // namespace
 
 const char* name(ShaderLanguage language) noexcept {
-  switch (language) {
-    case ShaderLanguage::glsl: return "glsl";
-    case ShaderLanguage::hlsl: return "hlsl";
-    case ShaderLanguage::wgsl: return "wgsl";
-    case ShaderLanguage::cpp: return "cpp";
-  }
-  return "";
+  static constexpr std::array kNames{"glsl", "hlsl", "wgsl", "cpp"};
+  return platform::name_in<ShaderLanguage::cpp>(kNames, language, "");
 }
 
 std::string probe_sampling_code(ShaderLanguage language) {

@@ -56,16 +56,7 @@ struct Scratch {
 /// Remembers the first texel of a decoded row that the policy rejects.
 void check_row(const Sanitizer& sanitizer, int face, int row, int size, Scratch& scratch, SanitizeRecord& record) {
   scratch.checked = scratch.decoded;
-  const float no_weight = 0.0F;
-  sanitizer.sanitize({.rgb = scratch.checked.data(),
-                      .count = size,
-                      .face = face,
-                      .row = row,
-                      .first_column = 0,
-                      .weights = &no_weight,
-                      .weight_step = 0,
-                      .weight_scale = 0.0},
-                     record);
+  sanitizer.sanitize({.rgb = scratch.checked.data(), .count = size, .face = face, .row = row}, record);
 }
 
 /// Reduces one row of cells of one face.

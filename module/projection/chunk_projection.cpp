@@ -248,9 +248,7 @@ void ChunkProjection::decode_and_sanitize(const RowRun& run, const float* weight
               .face = run.face,
               .row = row,
               .first_column = run.first_column,
-              .weights = weights,
-              .weight_step = 1,
-              .weight_scale = 1.0},
+              .weights = weights},
              record);
     sanitize({.rgb = scratch.run(2 * side + 1) + static_cast<std::ptrdiff_t>(3) * (padded - run.paired),
               .count = run.paired,
@@ -258,8 +256,7 @@ void ChunkProjection::decode_and_sanitize(const RowRun& run, const float* weight
               .row = row,
               .first_column = right_column,
               .weights = weights + run.paired - 1,
-              .weight_step = -1,
-              .weight_scale = 1.0},
+              .weight_step = -1},
              record);
   }
 }

@@ -186,7 +186,8 @@ void integrate_batch(const SanitizedSource& source, const TexelIntegrals& integr
 std::vector<glm::dvec3> integrate_kernel(const SanitizedSource& source, const KernelFunction& kernel,
                                          std::span<const glm::dvec3> axes, const Control& control) {
   const auto integrals =
-      source.cubemap() ? texels_of_cubemap(source.columns()) : texels_of_lat_long(source.columns(), source.rows());
+      texel_integrals_of(source.cubemap() ? image::TexelGrid::cubemap(source.columns())
+                                          : image::TexelGrid::lat_long(source.columns(), source.rows()));
   const auto share = [&](std::size_t count) { return static_cast<double>(count) / static_cast<double>(axes.size()); };
   std::vector<glm::dvec3> result;
   while (result.size() < axes.size()) {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "image/geometry.h"
 #include "projection/sanitized_pixels.h"
 #include "welkin/core.h"
 
@@ -90,9 +91,6 @@ class TexelIntegrals {
  public:
   virtual ~TexelIntegrals() = default;
 
-  [[nodiscard]] virtual int rows() const noexcept = 0;
-  [[nodiscard]] virtual int columns() const noexcept = 0;
-
   virtual void fill(int row, TexelRow& texels) const = 0;
 
   /// Fills in the spread of texels that `fill` has filled in.
@@ -107,8 +105,7 @@ class TexelIntegrals {
                                         const KernelFunction& kernel) const noexcept = 0;
 };
 
-[[nodiscard]] std::unique_ptr<TexelIntegrals> texels_of_lat_long(int width, int height);
-[[nodiscard]] std::unique_ptr<TexelIntegrals> texels_of_cubemap(int size);
+[[nodiscard]] std::unique_ptr<TexelIntegrals> texel_integrals_of(const image::TexelGrid& grid);
 
 /// Int L k dw about unit axes, one for each. The same bits on any number of threads. Throws `Error` (cancelled).
 [[nodiscard]] std::vector<glm::dvec3> integrate_kernel(const SanitizedSource& source, const KernelFunction& kernel,

@@ -444,11 +444,9 @@ void LatLongProjector::State::sanitize(const ColumnRun& run, PixelFormat format,
   for (int half = 0; half < (run.second != nullptr ? 2 : 1); ++half) {
     const TexelRun texels{.rgb = scratch.runs.data() + static_cast<std::ptrdiff_t>(half * 3) * kChunk,
                           .count = run.count,
-                          .face = 0,
                           .row = run.row,
                           .first_column = run.first_column + half * weights->column_count(),
                           .weights = run.weights,
-                          .weight_step = 1,
                           .weight_scale = run.row_weight};
     if (sanitizer.may_change(format, texels.rgb, run.count)) sanitizer.sanitize(texels, record);
   }

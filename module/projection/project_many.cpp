@@ -50,6 +50,7 @@ class SmallCubemaps {
   /// `one_of_many`: most pixels must come from memory, and are asked for ahead.
   SmallCubemaps(const ProjectionOptions& options, bool one_of_many)
       : options_(options), sanitizer_(options.pixels), one_of_many_(one_of_many) {
+    options_.target_size.reset();  // of those that they take it is none
     // Shared tables are built here, not inside a tile.
     for (const int face : kAllFaces) static_cast<void>(transforms::face_transform(face, options.bands));
   }
@@ -67,7 +68,7 @@ class SmallCubemaps {
     if (weights_.size() <= at) weights_.resize(at + 1);
     errors_.resize(weights_.size());
     if (weights_[at]) return;
-    weights_[at] = TexelWeights::get(weights_key(size, options_at(size)));
+    weights_[at] = TexelWeights::get(weights_key(size, options_));
     if (options_.quadrature == Quadrature::midpoint)
       errors_[at] = MidpointError::get(size, options_.bands, *weights_[at]);
   }
@@ -85,9 +86,8 @@ class SmallCubemaps {
   [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker, std::span<dvec3> radiance,
                                               SanitizeRecord& record) {
     Scratch& scratch = scratches_[worker];
-    const ProjectionOptions options = options_at(cubemap.size);
     const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
-    const ChunkProjection chunks(cubemap, options, kAllFaces, sanitizer_, weights, one_of_many_);
+    const ChunkProjection chunks(cubemap, options_, kAllFaces, sanitizer_, weights, one_of_many_);
     const MidpointError* const error = errors_[static_cast<std::size_t>(cubemap.size)].get();
     std::fill(scratch.sums.begin(), scratch.sums.end(), 0.0);
     std::fill(scratch.off.begin(), scratch.off.end(), 0.0);
@@ -125,12 +125,6 @@ class SmallCubemaps {
     std::vector<double> off;       ///< and in all
   };
 
-  [[nodiscard]] ProjectionOptions options_at(int size) const {
-    ProjectionOptions options = options_;
-    options.target_size = effective_target(size, options_);
-    return options;
-  }
-
   SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* weight_rows, const MidpointError* error,
                           Scratch& scratch) const {
     std::fill(scratch.slot.begin(), scratch.slot.end(), 0.0);
@@ -151,7 +145,7 @@ class SmallCubemaps {
     return of_tile;
   }
 
-  const ProjectionOptions& options_;
+  ProjectionOptions options_;
   Sanitizer sanitizer_;
   bool one_of_many_;
   std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size

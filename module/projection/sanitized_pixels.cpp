@@ -134,10 +134,8 @@ void SanitizedSource::sanitize(const std::vector<char>& suspects, const Sanitize
                         .count = columns_,
                         .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
                         .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
-                        .first_column = 0,
                         .weights = angles.of_row(row),
-                        .weight_step = cubemap_ ? 1 : 0,
-                        .weight_scale = 1.0},
+                        .weight_step = cubemap_ ? 1 : 0},
                        records[tile]);
     measure(row, sanitizer);
   });

@@ -99,6 +99,7 @@ void Sanitizer::sanitize(const TexelRun& run, SanitizeRecord& record) const noex
     const glm::dvec3 before(rgb[0], rgb[1], rgb[2]);
     if (!clamp(rgb)) continue;
     ++record.clamped;
+    if (run.weights == nullptr) continue;
     const double weight = static_cast<double>(run.weights[i * run.weight_step]) * run.weight_scale;
     record.radiance_removed += weight * (before - glm::dvec3(rgb[0], rgb[1], rgb[2]));
   }

@@ -4,9 +4,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <string>
 
-#include "image/pixels.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {
@@ -37,12 +35,12 @@ struct SanitizeRecord {
 struct TexelRun {
   float* rgb;  ///< packed, changed in place
   int count;
-  int face;
+  int face = 0;
   int row;
-  int first_column;
-  const float* weights;  ///< of each texel in the total radiance
-  int weight_step;       ///< 1, or -1 where the run is mirrored against its weights
-  double weight_scale;   ///< factor to all weights
+  int first_column = 0;
+  const float* weights = nullptr;  ///< of each texel in the total radiance; null: what a clamp removes is not recorded
+  int weight_step = 1;             ///< -1 where the run is mirrored against its weights, 0 where all have the same
+  double weight_scale = 1.0;       ///< factor to all weights
 };
 
 /// A `PixelPolicy` made ready for runs of texels.
@@ -79,12 +77,6 @@ class Sanitizer {
 void throw_if_rejected(const SanitizeRecord& record, bool cubemap);
 
 // Refuses what no call can work on, before any work.
-
-using image::check_lat_long_size;
-using image::check_view;
-using image::kLargestFace;
-using image::kLargestLatLongHeight;
-using image::kLargestLatLongWidth;
 
 /// Throws `Error` (invalid_argument) with a message that says what was found and what is allowed.
 void check_options(const ProjectionOptions& options);

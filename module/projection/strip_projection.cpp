@@ -168,8 +168,7 @@ void StripProjection::sanitize(const Tile& tile, int face, const Piece& piece, i
                        .row = row,
                        .first_column = first_column(tile, piece),
                        .weights = piece.right ? solid_angles + tile.positions - 1 : solid_angles,
-                       .weight_step = piece.right ? -1 : 1,
-                       .weight_scale = 1.0},
+                       .weight_step = piece.right ? -1 : 1},
                       record);
 }
 

@@ -287,9 +287,6 @@ class LatLongTexels final : public TexelIntegrals {
     }
   }
 
-  [[nodiscard]] int rows() const noexcept override { return height_; }
-  [[nodiscard]] int columns() const noexcept override { return width_; }
-
   /// Over a texel with centre (u, v) and half-widths (a, b): Int sin u du = 2 sin a sin u,
   /// Int cos^2 v dv = b + sin b cos b cos 2v, Int sin v cos v dv = sin b cos b sin 2v.
   void fill(int row, TexelRow& texels) const override {
@@ -499,9 +496,6 @@ class CubemapTexels final : public TexelIntegrals {
  public:
   explicit CubemapTexels(int size) : size_(size) {}
 
-  [[nodiscard]] int rows() const noexcept override { return 6 * size_; }
-  [[nodiscard]] int columns() const noexcept override { return size_; }
-
   /// By a Gauss rule that is exact to rounding.
   void fill(int row, TexelRow& texels) const override {
     const image::Frame& frame = image::face_frame(row / size_);
@@ -598,10 +592,9 @@ TexelRow::TexelRow(std::size_t columns) : x(columns), y(columns), z(columns), so
 TexelSpread::TexelSpread(std::size_t columns)
     : length(columns), ax(columns), ay(columns), az(columns), bx(columns), by(columns), bz(columns) {}
 
-std::unique_ptr<TexelIntegrals> texels_of_lat_long(int width, int height) {
-  return std::make_unique<LatLongTexels>(width, height);
+std::unique_ptr<TexelIntegrals> texel_integrals_of(const image::TexelGrid& grid) {
+  if (grid.kind() == image::TexelGrid::Kind::cubemap) return std::make_unique<CubemapTexels>(grid.columns());
+  return std::make_unique<LatLongTexels>(grid.columns(), grid.rows());
 }
-
-std::unique_ptr<TexelIntegrals> texels_of_cubemap(int size) { return std::make_unique<CubemapTexels>(size); }
 
 }  // namespace welkin::projection

@@ -75,28 +75,20 @@ LightField LightField::within(const FaceArea& area, const FaceArea& part) const 
 
 namespace {
 
-/// Each point's share of the values at the centres of so many texels.
-class TexelShares {
- public:
-  static constexpr std::size_t kMax = LightField::kMaxWidth;
-  using Texels = std::array<float, kMax>;
-
-  [[nodiscard]] static const std::array<Texels, LightField::kEdge>& of(int texels) {
-    static const TexelShares kept;
-    return kept.by_texels_[static_cast<std::size_t>(texels)];
-  }
-
- private:
-  TexelShares() {
-    for (int texels = 1; texels <= LightField::kMaxWidth; ++texels) {
-      const Span span(0, texels, texels);
-      for (int k = 0; k < texels; ++k)
-        span.share(place_on_face(k, texels), static_cast<std::size_t>(k), by_texels_[static_cast<std::size_t>(texels)]);
+/// Returns each point's share of the values at the centres of so many texels.
+const auto& texel_shares(int texels) {
+  using Shares = std::array<std::array<float, LightField::kMaxWidth>, LightField::kEdge>;
+  static const auto kept = [] {
+    std::array<Shares, LightField::kMaxWidth + 1> by_texels{};
+    for (int count = 1; count <= LightField::kMaxWidth; ++count) {
+      const Span span(0, count, count);
+      for (int k = 0; k < count; ++k)
+        span.share(place_on_face(k, count), static_cast<std::size_t>(k), by_texels[static_cast<std::size_t>(count)]);
     }
-  }
-
-  std::array<std::array<Texels, LightField::kEdge>, kMax + 1> by_texels_{};
-};
+    return by_texels;
+  }();
+  return kept[static_cast<std::size_t>(texels)];
+}
 
 }  // namespace
 
@@ -104,8 +96,8 @@ void LightField::write(const FaceArea& area, int count, float* sums) const {
   Shares<kMaxEdge> down{};
   Shares<kMaxEdge> across{};
   for (std::size_t k = 0; k < kEdge; ++k) {
-    std::copy_n(TexelShares::of(area.down())[k].begin(), area.down(), down[k].begin());
-    std::copy_n(TexelShares::of(area.across())[k].begin(), area.across(), across[k].begin());
+    std::copy_n(texel_shares(area.down())[k].begin(), area.down(), down[k].begin());
+    std::copy_n(texel_shares(area.across())[k].begin(), area.across(), across[k].begin());
   }
   std::array<float, std::size_t{3} * kMaxEdge * kMaxEdge> all;
   interpolate(down, across, all.data());
@@ -116,8 +108,8 @@ void LightField::write(const FaceArea& area, int count, float* sums) const {
 }
 
 void LightField::add_to(const FaceArea& area, float scale, float* rgb) const {
-  const auto& down = TexelShares::of(area.down());
-  const auto& across = TexelShares::of(area.across());
+  const auto& down = texel_shares(area.down());
+  const auto& across = texel_shares(area.across());
   const auto wide = static_cast<std::size_t>(area.across());
   std::array<std::array<float, kMaxWidth>, 3> light;
   for (int row = area.row; row < area.end_row; ++row) {

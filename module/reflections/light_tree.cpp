@@ -461,9 +461,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   const int cuts = cuts_of(shape, lobes, texels.size());
   const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const bool exact = is_coarse(shape, lobes.of);
-  if (exact)
-    texels_ = cut.cubemap ? projection::texels_of_cubemap(cut.columns)
-                          : projection::texels_of_lat_long(cut.columns, cut.rows);
+  if (exact) texels_ = projection::texel_integrals_of(cut.grid());
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
   double most_cut = kMaxCutRadius * math::exponential(0.5 * std::min(kMaxLoosening, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());

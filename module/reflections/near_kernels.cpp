@@ -249,6 +249,10 @@ struct Rule<4> {
   static constexpr float weights[] = {0.1739274226F, 0.3260725774F, 0.3260725774F, 0.1739274226F};
 };
 
+/// Points of texels in a row, `count` along each edge.
+template <class Group, int count>
+class RowPoints;
+
 /// Points of texels in a row of a face. sin^2(theta) = t / (n^2 n0^2), where t is a quadratic form of the way from the
 /// direction in the face's plane: it has its digits however close the point is.
 ///
@@ -256,9 +260,9 @@ struct Rule<4> {
 /// not change where a multiple of n0 is added to n. s = sin^2(theta / 2) = (1 - cos theta) / 2 follows as
 /// sin^2 / (2 (1 + cos)), which subtracts nothing either. A face's point has the solid angle du dv / |n|^3.
 template <int count>
-class CubeRow {
+class RowPoints<CubeGroup, count> {
  public:
-  WELKIN_INLINE CubeRow(const CubeGroup& group, int row, int k)
+  WELKIN_INLINE RowPoints(const CubeGroup& group, int row, int k)
       : u0_(Lanes::load_unaligned(group.u + k)),
         column_(Lanes::load_unaligned(group.column + k)),
         middle_(Lanes(0.5F) - Lanes::load_unaligned(group.part + k)),
@@ -316,9 +320,9 @@ class CubeRow {
 /// (the haversine formula), cos theta = 1 - 2 s. The sine of half the columns' angle is that of i whole columns less
 /// the way from the direction to the point in a column, by the difference formula; only s itself must keep its digits.
 template <int count>
-class LatLongRow {
+class RowPoints<LatLongGroup, count> {
  public:
-  WELKIN_INLINE LatLongRow(const LatLongGroup& group, int row, int k) : columns_(group.columns) {
+  WELKIN_INLINE RowPoints(const LatLongGroup& group, int row, int k) : columns_(group.columns) {
     const Lanes zero(0.0F);
     const Lanes down(group.down);
     const Lanes sine0 = Lanes::load_unaligned(group.sine + k);
@@ -363,19 +367,6 @@ class LatLongRow {
   Lanes of_row_[count], cosines_[count], area_[count];
   Lanes sine_of_point_[count], cosine_of_point_[count];
   Mask there_;
-};
-
-template <class Group>
-struct RowOf;
-template <>
-struct RowOf<CubeGroup> {
-  template <int count>
-  using Points = CubeRow<count>;
-};
-template <>
-struct RowOf<LatLongGroup> {
-  template <int count>
-  using Points = LatLongRow<count>;
 };
 
 /// The shares of a lobe in the texels between two lines, from left to right.
@@ -427,7 +418,7 @@ class RowWeights {
   template <int count>
   void integrate(ColumnRange columns) const {
     if (columns.first >= columns.end) return;
-    const Points<count> points(group_, row_, k_);
+    const RowPoints<Group, count> points(group_, row_, k_);
     for (int i = columns.first; i < columns.end; ++i) {
       Lanes sum(0.0F);
       points.visit(i, [&](Lanes s, Lanes area) WELKIN_INLINE_LAMBDA {
@@ -447,7 +438,7 @@ class RowWeights {
   /// about q / 2 of the peak of w, at s = q, so that few points do for it. Beyond the end nothing is near: there P = w.
   void subtract_far(ColumnRange columns, const CornerLine& above, const CornerLine& below) const {
     const bool cut = above.bend != nullptr;  // the own column of a lat-long is two: see `MeasureLine`
-    const Points<3> points(group_, row_, k_);
+    const RowPoints<Group, 3> points(group_, row_, k_);
     int place = columns.first * kLanes + k_;
     CloseShares shares(lobe_, above, below, place);
     for (int i = columns.first; i < columns.end; ++i, place += kLanes) {
@@ -472,9 +463,6 @@ class RowWeights {
   }
 
  private:
-  template <int count>
-  using Points = typename RowOf<Group>::template Points<count>;
-
   WELKIN_INLINE void put(int i, Mask there, Lanes weight) const {
     xsimd::select(there, weight, Lanes(0.0F)).store_aligned(weights_ + i * kLanes);
   }

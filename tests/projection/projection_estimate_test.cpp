@@ -112,7 +112,7 @@ TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estim
 
 namespace {
 
-using projection::TexelIntegrals;
+using image::TexelGrid, projection::texel_integrals_of;
 
 std::vector<glm::dvec3> some_axes() {
   RandomLight light(61);
@@ -121,10 +121,11 @@ std::vector<glm::dvec3> some_axes() {
   return axes;
 }
 
-double whole(const TexelIntegrals& texels, const glm::dvec3& axis, const projection::KernelFunction& kernel) {
+double whole(const TexelGrid& grid, const glm::dvec3& axis, const projection::KernelFunction& kernel) {
+  const auto texels = texel_integrals_of(grid);
   double sum = 0.0;
-  for (int row = 0; row < texels.rows(); ++row) {
-    for (int column = 0; column < texels.columns(); ++column) sum += texels.integral({row, column}, axis, kernel);
+  for (int row = 0; row < grid.rows(); ++row) {
+    for (int column = 0; column < grid.columns(); ++column) sum += texels->integral({row, column}, axis, kernel);
   }
   return sum;
 }
@@ -152,18 +153,19 @@ TEST_CASE("A lobe's integrals over all texels are its integral over the sphere",
     const double expected = reflections::lobe_integral(alpha);
     for (const glm::dvec3& axis : some_axes()) {
       CAPTURE(alpha, axis.x, axis.y, axis.z);
-      CHECK(whole(*projection::texels_of_lat_long(1, 1), axis, kernel) == Approx(expected).epsilon(1e-7));
-      CHECK(whole(*projection::texels_of_lat_long(7, 4), axis, kernel) == Approx(expected).epsilon(1e-7));
-      CHECK(whole(*projection::texels_of_lat_long(96, 40), axis, kernel) == Approx(expected).epsilon(1e-7));
-      CHECK(whole(*projection::texels_of_cubemap(1), axis, kernel) == Approx(expected).epsilon(1e-7));
-      CHECK(whole(*projection::texels_of_cubemap(12), axis, kernel) == Approx(expected).epsilon(1e-7));
+      CHECK(whole(TexelGrid::lat_long(1, 1), axis, kernel) == Approx(expected).epsilon(1e-7));
+      CHECK(whole(TexelGrid::lat_long(7, 4), axis, kernel) == Approx(expected).epsilon(1e-7));
+      CHECK(whole(TexelGrid::lat_long(96, 40), axis, kernel) == Approx(expected).epsilon(1e-7));
+      CHECK(whole(TexelGrid::cubemap(1), axis, kernel) == Approx(expected).epsilon(1e-7));
+      CHECK(whole(TexelGrid::cubemap(12), axis, kernel) == Approx(expected).epsilon(1e-7));
     }
   }
 }
 
 TEST_CASE("The integral over a rectangle is that of its texels", "[kernel_integrals]") {
   const reflections::GgxFunction kernel(0.2);
-  for (const auto& texels : {projection::texels_of_lat_long(32, 16), projection::texels_of_cubemap(16)}) {
+  for (const TexelGrid& grid : {TexelGrid::lat_long(32, 16), TexelGrid::cubemap(16)}) {
+    const auto texels = texel_integrals_of(grid);
     for (const glm::dvec3& axis : some_axes()) {
       double sum = 0.0;
       for (int row = 2; row < 11; ++row) {
@@ -185,9 +187,10 @@ namespace {
 
 /// The largest relative error of a lone texel's light as directions see it through GGX lobes, all about the texel and
 /// from where its row stops being integrated texel by texel on.
-double worst_of_lone_texel(const EnvironmentView& view, const TexelIntegrals& texels, int row, int column) {
-  projection::TexelRow places(static_cast<std::size_t>(texels.columns()));
-  texels.fill(row, places);
+double worst_of_lone_texel(const EnvironmentView& view, const TexelGrid& grid, int row, int column) {
+  const auto texels = texel_integrals_of(grid);
+  projection::TexelRow places(static_cast<std::size_t>(grid.columns()));
+  texels->fill(row, places);
   const auto i = static_cast<std::size_t>(column);
   const glm::dvec3 centre(places.x[i], places.y[i], places.z[i]);
   const glm::dvec3 aside = glm::normalize(glm::cross(centre, glm::dvec3(0.36, 0.48, 0.8)));
@@ -206,7 +209,7 @@ double worst_of_lone_texel(const EnvironmentView& view, const TexelIntegrals& te
     const reflections::GgxFunction kernel(alpha);
     const std::vector<glm::dvec3> found = reference_specular(view, roughness, axes);
     for (std::size_t k = 0; k < axes.size(); ++k) {
-      const double truth = texels.integral({row, column}, axes[k], kernel) / reflections::lobe_integral(alpha);
+      const double truth = texels->integral({row, column}, axes[k], kernel) / reflections::lobe_integral(alpha);
       worst = std::max(worst, std::abs(found[k].x / truth - 1.0));
     }
   }
@@ -223,24 +226,25 @@ TEST_CASE("A texel afar has its share of a lobe to 5e-6, whatever its shape", "[
     std::fill_n(pixels.begin() + 3 * (row * kSize + column), 3, 1.0F);
     const Cubemap lamp(kSize, pixels);
     CAPTURE(row, column);
-    CHECK(worst_of_lone_texel(lamp.view(), *projection::texels_of_cubemap(kSize), row, column) < 5e-6);
+    CHECK(worst_of_lone_texel(lamp.view(), TexelGrid::cubemap(kSize), row, column) < 5e-6);
   }
   for (const int row : {0, 1, 60, 127, 255}) {
     std::vector<float> pixels(std::size_t{3} * 2 * kSize * kSize);
     std::fill_n(pixels.begin() + std::ptrdiff_t{3} * (row * 2 * kSize + 77), 3, 1.0F);
     const LatLongView view{pixels.data(), 2 * kSize, kSize, 0, PixelFormat::rgb32f};
     CAPTURE(row);
-    CHECK(worst_of_lone_texel(view, *projection::texels_of_lat_long(2 * kSize, kSize), row, 77) < 5e-6);
+    CHECK(worst_of_lone_texel(view, TexelGrid::lat_long(2 * kSize, kSize), row, 77) < 5e-6);
   }
 }
 
 TEST_CASE("A row's moments and solid angles are those of its areas", "[kernel_integrals]") {
   // Int d dw over the sphere is 0, and Int dw is 4 pi.
-  for (const auto& texels : {projection::texels_of_lat_long(5, 3), projection::texels_of_cubemap(2)}) {
-    projection::TexelRow row(static_cast<std::size_t>(texels->columns()));
+  for (const TexelGrid& grid : {TexelGrid::lat_long(5, 3), TexelGrid::cubemap(2)}) {
+    const auto texels = texel_integrals_of(grid);
+    projection::TexelRow row(static_cast<std::size_t>(grid.columns()));
     glm::dvec3 moment(0.0);
     double steradians = 0.0;
-    for (int j = 0; j < texels->rows(); ++j) {
+    for (int j = 0; j < grid.rows(); ++j) {
       texels->fill(j, row);
       for (std::size_t i = 0; i < row.x.size(); ++i) {
         moment += row.moment[i] * glm::dvec3(row.x[i], row.y[i], row.z[i]);

@@ -24,7 +24,7 @@ class LampRoom {
       : width_(width),
         height_(height),
         grid_(height > 0 ? image::TexelGrid::lat_long(width, height) : image::TexelGrid::cubemap(width)),
-        texels_(height > 0 ? projection::texels_of_lat_long(width, height) : projection::texels_of_cubemap(width)),
+        texels_(projection::texel_integrals_of(grid_)),
         lamps_(std::move(lamps)),
         pixels_(static_cast<std::size_t>(3 * grid_.texels()), 1.0F) {
     for (const Lamp& lamp : lamps_) std::fill_n(pixels_.begin() + 3 * lamp.texel, 3, lamp.light);
