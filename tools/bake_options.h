@@ -44,7 +44,7 @@ struct NeedsChoice {
 void add_needs_options(Options& table, NeedsChoice& choice);
 
 /// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials.
-[[nodiscard]] Json needs_json(const SceneNeeds& needs);
+[[nodiscard]] Json needs_json(SceneNeeds needs);
 /// What is missing is as in a default `SceneNeeds`. Throws `Error`: file_access, limit_exceeded (more than a megabyte),
 /// corrupt_file naming the key, for what is no JSON and for members of another name, kind or range.
 [[nodiscard]] SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes);
