@@ -207,11 +207,7 @@ std::string glb(const Json& document, std::string binary) {
   return bytes;
 }
 
-int octaves_of(int size) noexcept {
-  int octaves = 0;
-  while ((size >> (octaves + 1)) > 0) ++octaves;
-  return octaves;
-}
+int octaves_of(int size) noexcept { return full_chain_levels(size) - 1; }
 
 /// Numbers of the pictures, six a mip.
 Json mips_json(std::size_t pictures) {
@@ -224,6 +220,13 @@ Json mips_json(std::size_t pictures) {
   return mips;
 }
 
+/// An object with one member, which braces would make a list.
+Json object_of(const char* name, const Json& content) {
+  Json object = Json::object();
+  object[name] = content;
+  return object;
+}
+
 /// The extension's object at the root of the document.
 Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>& coefficients) {
   Json light = {{"name", "environment"},
@@ -232,9 +235,7 @@ Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>
                 {"irradianceCoefficients", json_list(coefficients, json_triple)},
                 {"specularImageSize", size},
                 {"specularImages", mips_json(pictures)}};
-  Json lights = Json::object();
-  lights["lights"] = Json::array({light});
-  return lights;
+  return object_of("lights", Json::array({light}));
 }
 
 /// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
@@ -245,12 +246,6 @@ std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radi
   for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = light.terms[k].rgb;
   for (const std::size_t odd_in_x : {3U, 4U, 7U}) coefficients[odd_in_x] *= -1.0;
   return coefficients;
-}
-
-Json extension(const Json& content) {
-  Json extensions = Json::object();
-  extensions[kExtension] = content;
-  return extensions;
 }
 
 }  // namespace
@@ -285,21 +280,16 @@ GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance
     binary.append(png.begin(), png.end());
   }
   pad(binary, '\0');
-  Json buffer = Json::object();
-  buffer["byteLength"] = binary.size();
-  Json scene = Json::object();
-  Json reference = Json::object();
-  reference["light"] = 0;
-  scene["extensions"] = extension(reference);
-  const Json document = {
-      {"asset", {{"version", "2.0"}, {"generator", std::string("Welkin ") + WELKIN_VERSION_STRING}}},
-      {"extensionsUsed", Json::array({kExtension})},
-      {"extensions", extension(lights_json(faces.size(), pictures.png.size(), gltf_light_coefficients(radiance)))},
-      {"scene", 0},
-      {"scenes", Json::array({scene})},
-      {"images", images},
-      {"bufferViews", views},
-      {"buffers", Json::array({buffer})}};
+  const Json scene = object_of("extensions", object_of(kExtension, object_of("light", 0)));
+  const Json document = {{"asset", {{"version", "2.0"}, {"generator", std::string("Welkin ") + WELKIN_VERSION_STRING}}},
+                         {"extensionsUsed", Json::array({kExtension})},
+                         {"extensions", object_of(kExtension, lights_json(faces.size(), pictures.png.size(),
+                                                                          gltf_light_coefficients(radiance)))},
+                         {"scene", 0},
+                         {"scenes", Json::array({scene})},
+                         {"images", images},
+                         {"bufferViews", views},
+                         {"buffers", Json::array({object_of("byteLength", binary.size())})}};
   return {glb(document, std::move(binary)), pictures.values_clamped};
 }
 
