@@ -306,36 +306,27 @@ struct Rectangle {
   int height = 0;
 };
 
-/// sqrt(radiance) = c (8 - 7 a), a as large as the largest channel lets it be.
-class Rgbp {
- public:
-  explicit Rgbp(PlayCanvasAtlas& atlas) : atlas_(atlas) {}
-
-  void put(const float* radiance, int column, int row) {
-    std::uint8_t* const texel = atlas_.rgba.data() + 4 * (static_cast<std::size_t>(row) * edge() + column_of(column));
-    float root[3];
-    float largest = 1.0F;
-    for (int channel = 0; channel < 3; ++channel) {
-      const float value = radiance[channel];
-      const bool is_held = value >= 0.0F && value <= static_cast<float>(kLargestRgbp);
-      if (!is_held) ++atlas_.values_clamped;
-      root[channel] = std::sqrt(is_held ? value : value > 0.0F ? static_cast<float>(kLargestRgbp) : 0.0F);
-      largest = std::max(largest, root[channel]);
-    }
-    const float steps = std::floor(255.0F * (8.0F - largest) / 7.0F);  // rounded down, so that no channel is above 1
-    const float scale = 255.0F / (8.0F - 7.0F * steps / 255.0F);
-    for (int channel = 0; channel < 3; ++channel) {
-      texel[channel] = static_cast<std::uint8_t>(std::min(255.0F, std::floor(root[channel] * scale + 0.5F)));
-    }
-    texel[3] = static_cast<std::uint8_t>(steps);
+/// Stores a texel as RGBP: sqrt(radiance) = c (8 - 7 a), a as large as the largest channel lets it be.
+void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
+  const std::size_t place =
+      static_cast<std::size_t>(row) * static_cast<std::size_t>(atlas.size) + static_cast<std::size_t>(column);
+  std::uint8_t* const texel = atlas.rgba.data() + 4 * place;
+  float root[3];
+  float largest = 1.0F;
+  for (int channel = 0; channel < 3; ++channel) {
+    const float value = radiance[channel];
+    const bool is_held = value >= 0.0F && value <= static_cast<float>(kLargestRgbp);
+    if (!is_held) ++atlas.values_clamped;
+    root[channel] = std::sqrt(is_held ? value : value > 0.0F ? static_cast<float>(kLargestRgbp) : 0.0F);
+    largest = std::max(largest, root[channel]);
   }
-
- private:
-  [[nodiscard]] std::size_t edge() const noexcept { return static_cast<std::size_t>(atlas_.size); }
-  [[nodiscard]] static std::size_t column_of(int column) noexcept { return static_cast<std::size_t>(column); }
-
-  PlayCanvasAtlas& atlas_;
-};
+  const float steps = std::floor(255.0F * (8.0F - largest) / 7.0F);  // rounded down, so that no channel is above 1
+  const float scale = 255.0F / (8.0F - 7.0F * steps / 255.0F);
+  for (int channel = 0; channel < 3; ++channel) {
+    texel[channel] = static_cast<std::uint8_t>(std::min(255.0F, std::floor(root[channel] * scale + 0.5F)));
+  }
+  texel[3] = static_cast<std::uint8_t>(steps);
+}
 
 /// A lat-long inside a seam, in which it goes on: around, and over the poles.
 void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
@@ -349,7 +340,6 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
   while (filter == ResampleFilter::bilinear && finer * width < 4 * source.size) finer += 2;
   const LatLongImage picture =
       to_lat_long(source, finer * width, finer * height, dmat3(1.0), filter, {control.stop, {}});
-  Rgbp texels(atlas);
   for (int row = 0; row < at.height; ++row) {
     const int wanted = row - seam;
     const bool is_beyond_pole = wanted < 0 || wanted >= height;
@@ -358,7 +348,7 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
       const int around = column - seam + width + (is_beyond_pole ? width / 2 : 0);
       const auto texel = static_cast<std::size_t>(finer * from + finer / 2) * static_cast<std::size_t>(finer * width) +
                          static_cast<std::size_t>(finer * (around % width) + finer / 2);
-      texels.put(picture.pixels.data() + 3 * texel, at.left + column, at.top + row);
+      put(picture.pixels.data() + 3 * texel, at.left + column, at.top + row, atlas);
     }
   }
 }
