@@ -179,10 +179,7 @@ Command importance_command() {
   Command command{"importance", "Make tables for the importance sampling of path tracers",
                   embedded_text("help/importance.txt")};
   Options& table = command.options;
-  add_option(table, "INPUT", &options->input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; - for "
-             "standard input",
-             {.required = true});
+  add_option(table, "INPUT", &options->input, "", input_text(false), {.required = true});
   add_option(table, "-o,--output", &options->directory, "DIR",
              "The folder to write to, made if it is not there; default the input's name without its extension and "
              "_importance, here. A folder of that name with other files is left alone");
