@@ -36,14 +36,14 @@ const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   return words;
 }
 
-}  // namespace
-
+/// The names of schedules, and of engines that use them, as --help lists words.
 std::string schedule_names() {
   std::vector<std::string> names;
   for (const auto& [word, schedule] : schedule_words()) names.push_back(word);
   return alternatives(names);
 }
 
+/// Throws `BadValue`.
 RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   RoughnessChoice choice;
   if (words.size() == 1) {
@@ -67,8 +67,6 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   }
   return choice;
 }
-
-namespace {
 
 std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& options) {
   const std::string engine = convention(options.orientation.to).name;
@@ -175,13 +173,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
              std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
                          "as --roughness has numbers, else those of its schedule: filament and linear end at 4 "
                          "texels, unity has seven, babylon and unreal all"));
-  const auto set_roughness = [&options](const std::vector<std::string>& words) {
-    options.roughness = roughness_choice(words);
-  };
-  add_option(table, "--roughness", On<std::vector<std::string>>(set_roughness), schedule_names() + "|LIST",
-             "Roughness of mips: an engine's schedule, or numbers separated by commas; default filament, "
-             "or by --for",
-             {.list = List::commas});
+  add_roughness_option(table, options.roughness, "filament, or by --for");
   table.push_back(choice<std::optional<bool>>(
       "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
       "Fits the lobes of mips to shaders that interpolate between mips by the formula of --roughness; materials look "
@@ -290,6 +282,13 @@ std::string roughness_words(const BakeCommandOptions& options) {
   if (table.empty()) return is_by_fifths(options) ? "fifths" : name(schedule_of(options));
   return listed(
       table, [](double value) { return significant(value); }, ",");
+}
+
+void add_roughness_option(Options& table, RoughnessChoice& choice, const std::string& otherwise) {
+  const auto choose = [&choice](const std::vector<std::string>& words) { choice = roughness_choice(words); };
+  add_option(table, "--roughness", On<std::vector<std::string>>(choose), schedule_names() + "|LIST",
+             "Roughness of mips: an engine's schedule, or numbers separated by commas; default " + otherwise,
+             {.list = List::commas});
 }
 
 void add_result_options(Options& table, BakeCommandOptions& options) {

@@ -58,11 +58,8 @@ struct RoughnessChoice {
   std::vector<double> table;  ///< empty: the schedule's
 };
 
-/// The names of schedules, and of engines that use them, as --help lists words.
-[[nodiscard]] std::string schedule_names();
-
-/// The name of a schedule, or numbers with commas between them. Throws `BadValue`.
-[[nodiscard]] RoughnessChoice roughness_choice(const std::vector<std::string>& words);
+/// --roughness: the name of a schedule, or numbers with commas between them. `otherwise`: words for the default.
+void add_roughness_option(Options& table, RoughnessChoice& choice, const std::string& otherwise);
 
 /// Words for each `IrradianceMethod`, in their order.
 inline constexpr std::array kIrradianceMethods{"automatic", "direct", "harmonics"};
