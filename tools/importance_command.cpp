@@ -97,7 +97,7 @@ constexpr std::array kWeights{"luminance", "mean", "largest"};
 
 const char* word_of(ImportanceWeight weight) { return kWeights.at(static_cast<std::size_t>(weight)); }
 
-Json file_json(const WrittenFile& file) {
+Json table_file_json(const WrittenFile& file) {
   return {{"name", file.name}, {"shape", file.details}, {"bytes", file.bytes}};
 }
 
@@ -154,7 +154,7 @@ std::string make(const ImportanceCommandOptions& options, const Control& control
                        {"directions",
                         "column i of width, row j of height: longitude pi - 2 pi i / width, latitude pi / 2 - pi j / "
                         "height; (sin lon cos lat, sin lat, cos lon cos lat); uniform in solid angle within a texel"},
-                       {"files", json_list(folder.files(), file_json)}};
+                       {"files", json_list(folder.files(), table_file_json)}};
   const std::string text = json_text(report);
   const std::vector<std::string> remarks = folder.finish(text, {platform::path_of(options.input)});
   if (options.common.json) return text;
