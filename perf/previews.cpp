@@ -1,6 +1,5 @@
-#include "tools/previews.h"
-
 #include "perf.h"
+#include "tools/preview_light.h"
 #include "welkin/bake.h"
 #include "welkin/environment_file.h"
 #include "welkin/spherical_harmonics.h"

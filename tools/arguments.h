@@ -1,6 +1,8 @@
 // What a command can be asked: tables of options, by which the command line is read and --help is written.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
@@ -118,6 +120,14 @@ template <typename Value>
 std::vector<std::pair<std::string, Value>> by_name(std::initializer_list<Value> values) {
   std::vector<std::pair<std::string, Value>> choices;
   for (const Value value : values) choices.emplace_back(name(value), value);
+  return choices;
+}
+
+/// All values of an enumeration by words in the same order, for `choice`.
+template <typename Value, std::size_t count>
+std::vector<std::pair<std::string, Value>> by_order(const std::array<const char*, count>& words) {
+  std::vector<std::pair<std::string, Value>> choices;
+  for (const char* const word : words) choices.emplace_back(word, static_cast<Value>(choices.size()));
   return choices;
 }
 

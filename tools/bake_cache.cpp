@@ -33,8 +33,6 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace
-
 std::optional<ContentHash> hash_in(std::string_view text) {
   constexpr std::size_t kDigits = 16;
   if (text.size() != 2 * kDigits) return std::nullopt;
@@ -47,6 +45,17 @@ std::optional<ContentHash> hash_in(std::string_view text) {
   return hash;
 }
 
+}  // namespace
+
+Member hash(const char* name, ContentHash& target) {
+  const auto read = [&target](const Json& value, const std::string& where) {
+    const std::optional<ContentHash> found = hash_in(value.is_text() ? value.text() : "");
+    if (!found) throw Flaw{where + " is no hash"};
+    target = *found;
+  };
+  return {name, read, [&target] { return target.text(); }};
+}
+
 bool is_plain_name(std::string_view name) {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789_.";
   if (name == kReadmeName) return true;
@@ -56,37 +65,25 @@ bool is_plain_name(std::string_view name) {
 
 namespace {
 
-/// Throws `Flaw`.
-KeptBake::File indexed_file(const Json& value, const std::string& where) {
-  KeptBake::File file;
-  std::string hash;
-  double bytes = 0.0;
-  read_object(
-      value, where,
-      {text("name", file.about.name), text("format", file.about.format), number("bytes", bytes), text("hash", hash)});
-  const std::optional<ContentHash> found = hash_in(hash);
-  constexpr double kMax = 1e12;
-  if (!is_plain_name(file.about.name) || !found || !(bytes >= 0.0 && bytes <= kMax)) throw Flaw{where};
-  file.about.bytes = static_cast<std::uint64_t>(bytes);
-  file.hash = *found;
-  return file;
+Member kept_file(const char* name, KeptBake::File& target) {
+  return object(name, target,
+                {text("name", target.about.name), text("format", target.about.format),
+                 bytes("bytes", target.about.bytes), hash("hash", target.hash)});
+}
+
+/// Of its index, which has all but the files' contents.
+std::vector<Member> members_of(KeptBake& bake) {
+  return {list("files", bake.files, kept_file), text("manifest", bake.manifest), text("source", bake.words.source),
+          text("results", bake.words.results), texts("notes", bake.words.notes)};
 }
 
 /// The bake without the files' contents. Throws `Flaw`.
-KeptBake index_in(std::string_view bytes) {
+KeptBake index_in(std::string_view text) {
   KeptBake index;
-  const auto add_file = [&](const Json& value, const std::string& where) {
-    index.files.push_back(indexed_file(value, where));
-  };
-  const auto add_note = [&](const Json& value, const std::string& where) {
-    text("", index.words.notes.emplace_back()).read(value, where);
-  };
-  read_object(parse_json(std::string(bytes)), "index",
-              {{"files", [&](const Json& value, const std::string& where) { read_list(value, where, add_file); }},
-               text("manifest", index.manifest),
-               text("source", index.words.source),
-               text("results", index.words.results),
-               {"notes", [&](const Json& value, const std::string& where) { read_list(value, where, add_note); }}});
+  read_object(parse_json(std::string(text)), "index", members_of(index));
+  for (const KeptBake::File& file : index.files) {
+    if (!is_plain_name(file.about.name)) throw Flaw{"the index names other files than a bake's"};
+  }
   return index;
 }
 
@@ -156,19 +153,15 @@ void BakeFolderCache::keep(const OutputFolder& folder, const std::string& manife
                            std::vector<std::string>& notes) {
   if (!cache_) return;
   if (bake_key(options_) != key_) return;
-  Json files = Json::array();
+  KeptBake index{{}, manifest, words};
   for (const WrittenFile& file : folder.files()) {
     const std::vector<std::byte> bytes = bytes_of(folder.place(file.name));
     const ContentHash hash = hash_bytes(bytes.data(), bytes.size());
     cache_->keep_bytes(hash, bytes);
-    files.push_back({{"name", file.name}, {"format", file.format}, {"bytes", bytes.size()}, {"hash", hash.text()}});
+    index.files.push_back({.about = file, .hash = hash});
+    index.files.back().about.bytes = bytes.size();
   }
-  const Json index = {{"files", files},
-                      {"manifest", manifest},
-                      {"source", words.source},
-                      {"results", words.results},
-                      {"notes", words.notes}};
-  const std::string text = index.one_line();
+  const std::string text = json_object(members_of(index)).one_line();
   cache_->keep_bytes(key_, std::as_bytes(std::span(text)));
   const CacheStatistics statistics = cache_->statistics();
   if (statistics.write_failures > 0) notes.push_back("the cache could not keep all files: " + statistics.last_failure);

@@ -64,7 +64,7 @@ class BakeFolderCache {
 [[nodiscard]] ContentHash bake_key(const BakeCommandOptions& options);
 
 /// What `ContentHash::text` has written.
-[[nodiscard]] std::optional<ContentHash> hash_in(std::string_view text);
+[[nodiscard]] Member hash(const char* name, ContentHash& target);
 
 /// Of a file in the folder itself and no other place: the list may be anybody's. A manifest's is none.
 [[nodiscard]] bool is_plain_name(std::string_view name);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -37,14 +36,14 @@ const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   return words;
 }
 
-}  // namespace
-
+/// The names of schedules, and of engines that use them, as --help lists words.
 std::string schedule_names() {
   std::vector<std::string> names;
   for (const auto& [word, schedule] : schedule_words()) names.push_back(word);
   return alternatives(names);
 }
 
+/// Throws `BadValue`.
 RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   RoughnessChoice choice;
   if (words.size() == 1) {
@@ -68,8 +67,6 @@ RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   }
   return choice;
 }
-
-namespace {
 
 std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& options) {
   const std::string engine = convention(options.orientation.to).name;
@@ -176,13 +173,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
              std::string("Mips of the specular cubemap, 1 to 14, or all: down to 1 texel. Default: as many "
                          "as --roughness has numbers, else those of its schedule: filament and linear end at 4 "
                          "texels, unity has seven, babylon and unreal all"));
-  const auto set_roughness = [&options](const std::vector<std::string>& words) {
-    options.roughness = roughness_choice(words);
-  };
-  add_option(table, "--roughness", On<std::vector<std::string>>(set_roughness), schedule_names() + "|LIST",
-             "Roughness of mips: an engine's schedule, or numbers separated by commas; default filament, "
-             "or by --for",
-             {.list = List::commas});
+  add_roughness_option(table, options.roughness, "filament, or by --for");
   table.push_back(choice<std::optional<bool>>(
       "--fit-lookups", options.fit_lookups, {{"on", true}, {"off", false}},
       "Fits the lobes of mips to shaders that interpolate between mips by the formula of --roughness; materials look "
@@ -255,13 +246,10 @@ void add_lobe_options(Options& table, BakeCommandOptions& options) {
 void add_diffuse_options(Options& table, BakeCommandOptions& options) {
   table.push_back(size_option("--irradiance", options.irradiance_size, 0, kLargestIrradiance,
                               "Texels per edge of the irradiance cubemap; default 64; 0: none"));
-  table.push_back(
-      choice<IrradianceMethod>("--irradiance-method", options.irradiance_method,
-                               {{"automatic", IrradianceMethod::automatic},
-                                {"direct", IrradianceMethod::direct},
-                                {"harmonics", IrradianceMethod::harmonics}},
-                               "Method of the irradiance cubemap: within --rms-error of the integral (automatic, the "
-                               "default), the integral (direct, slow), or from --bands of harmonics, as in shaders"));
+  table.push_back(choice<IrradianceMethod>(
+      "--irradiance-method", options.irradiance_method, by_order<IrradianceMethod>(kIrradianceMethods),
+      "Method of the irradiance cubemap: within --rms-error of the integral (automatic, the "
+      "default), the integral (direct, slow), or from --bands of harmonics, as in shaders"));
   add_option(table, "--no-brdf", &options.no_brdf, "", "Write no BRDF table");
   add_option(table, "--brdf", On<int>([&options](int size) { options.brdf.width = options.brdf.height = size; }), "N",
              "Texels per edge of the BRDF table; default 64",
@@ -278,21 +266,29 @@ bool is_by_fifths(const BakeCommandOptions& options) noexcept {
   return looks_up_fifths(options) && !options.roughness.schedule && options.roughness.table.empty();
 }
 
+/// The schedule that was asked for, else the one of the engine that the files are for.
+RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
+  return options.roughness.schedule.value_or(default_schedule(options));
+}
+
 std::vector<double> roughness_by_formula(const BakeCommandOptions& options, int mips, int size) {
   return is_by_fifths(options) ? fifths(mips) : mip_roughness(schedule_of(options), mips, size);
 }
 
 }  // namespace
 
-RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
-  return options.roughness.schedule.value_or(default_schedule(options));
-}
-
 std::string roughness_words(const BakeCommandOptions& options) {
   const std::vector<double>& table = options.roughness.table;
   if (table.empty()) return is_by_fifths(options) ? "fifths" : name(schedule_of(options));
   return listed(
       table, [](double value) { return significant(value); }, ",");
+}
+
+void add_roughness_option(Options& table, RoughnessChoice& choice, const std::string& otherwise) {
+  const auto choose = [&choice](const std::vector<std::string>& words) { choice = roughness_choice(words); };
+  add_option(table, "--roughness", On<std::vector<std::string>>(choose), schedule_names() + "|LIST",
+             "Roughness of mips: an engine's schedule, or numbers separated by commas; default " + otherwise,
+             {.list = List::commas});
 }
 
 void add_result_options(Options& table, BakeCommandOptions& options) {
@@ -433,6 +429,10 @@ glm::dmat3 face_rotation(const BakeCommandOptions& options) {
   return contains_cubemap(options.files) ? faces_of(options.orientation.to) : glm::dmat3(1.0);
 }
 
+namespace {
+
+/// How many mips the reflections have where nobody names them: as the schedule wants; of three.js's files down to 8
+/// texels.
 int mips_wanted(const BakeCommandOptions& options) {
   const int size = options.specular.size;
   // PlayCanvas' atlas has room for six. Qt's last mip is diffuse light, and reflections end at the one before.
@@ -444,6 +444,8 @@ int mips_wanted(const BakeCommandOptions& options) {
   return options.orientation.to == Engine::three ? std::min(mips, std::max(kMinMips, to_eight)) : mips;
 }
 
+/// Whether the lobes of mips are fitted to lookups between them: where nobody says so, for engines that read their own
+/// mips by a known formula. Not for three.js, whose last mip is the diffuse light too.
 bool fits_lookups(const BakeCommandOptions& options) {
   if (!options.roughness.table.empty()) {
     if (!options.fit_lookups.value_or(false)) return false;
@@ -456,6 +458,17 @@ bool fits_lookups(const BakeCommandOptions& options) {
   if (options.containers.contains(Container::env) && schedule == RoughnessSchedule::babylon) return true;
   return options.orientation.to != Engine::three && schedule_of_engine(options) == schedule;
 }
+
+/// Options of the octahedral map of a chain, its border one texel of the last level: as many levels as have whole
+/// texels and four of them at least.
+OctahedralOptions octahedral_of(int size, int chain_levels) {
+  OctahedralOptions options{.size = size};
+  while (options.levels < chain_levels && size % (2 << (options.levels - 1)) == 0 && (size >> options.levels) >= 4)
+    ++options.levels;
+  return options;
+}
+
+}  // namespace
 
 BakeOptions library_options(const BakeCommandOptions& options) {
   BakeOptions bake = options.bake;
@@ -505,12 +518,6 @@ BakeOptions library_options(const BakeCommandOptions& options) {
 bool stores_harmonics(const BakeCommandOptions& options) {
   return options.orientation.to == Engine::filament && !files_with(Content::specular, options.files).empty() &&
          files_with(Content::specular, options.files).front().container == Container::ktx;
-}
-
-int env_size(int specular_size) noexcept {
-  int size = 1;
-  while (2 * size <= specular_size) size *= 2;
-  return size;
 }
 
 }  // namespace welkin::tool

@@ -1,6 +1,7 @@
 // What a scene needs: on the command line and as JSON; and plans.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -44,7 +45,7 @@ struct NeedsChoice {
 void add_needs_options(Options& table, NeedsChoice& choice);
 
 /// Every member; "glossy" is {"minimum", "maximum"}, or null where there are no glossy materials.
-[[nodiscard]] Json needs_json(const SceneNeeds& needs);
+[[nodiscard]] Json needs_json(SceneNeeds needs);
 /// What is missing is as in a default `SceneNeeds`. Throws `Error`: file_access, limit_exceeded (more than a megabyte),
 /// corrupt_file naming the key, for what is no JSON and for members of another name, kind or range.
 [[nodiscard]] SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes);
@@ -57,11 +58,11 @@ struct RoughnessChoice {
   std::vector<double> table;  ///< empty: the schedule's
 };
 
-/// The names of schedules, and of engines that use them, as --help lists words.
-[[nodiscard]] std::string schedule_names();
+/// --roughness: the name of a schedule, or numbers with commas between them. `otherwise`: words for the default.
+void add_roughness_option(Options& table, RoughnessChoice& choice, const std::string& otherwise);
 
-/// The name of a schedule, or numbers with commas between them. Throws `BadValue`.
-[[nodiscard]] RoughnessChoice roughness_choice(const std::vector<std::string>& words);
+/// Words for each `IrradianceMethod`, in their order.
+inline constexpr std::array kIrradianceMethods{"automatic", "direct", "harmonics"};
 
 struct BakeCommandOptions {
   CommonOptions common;
@@ -138,19 +139,8 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 /// (invalid_argument) for cubemaps for an engine that has none.
 [[nodiscard]] glm::dmat3 face_rotation(const BakeCommandOptions& options);
 
-/// The schedule that was asked for, else the one of the engine that the files are for.
-[[nodiscard]] RoughnessSchedule schedule_of(const BakeCommandOptions& options);
-
-/// Whether the lobes of mips are fitted to lookups between them: where nobody says so, for engines that read their own
-/// mips by a known formula. Not for three.js, whose last mip is the diffuse light too.
-[[nodiscard]] bool fits_lookups(const BakeCommandOptions& options);
-
 /// The schedule's name, or the numbers with commas between them.
 [[nodiscard]] std::string roughness_words(const BakeCommandOptions& options);
-
-/// How many mips the reflections have where nobody names them: as the schedule wants; of three.js's files down to 8
-/// texels.
-[[nodiscard]] int mips_wanted(const BakeCommandOptions& options);
 
 /// The options as the library takes them: number of mips, roughness of each, memory. Throws `Error` (invalid_argument)
 /// for those that contradict each other.
@@ -158,8 +148,5 @@ inline constexpr const char* kHarmonicsHeader = "sh.h";
 
 /// Whether the reflections carry the harmonics in their key/value data, where Filament looks for them.
 [[nodiscard]] bool stores_harmonics(const BakeCommandOptions& options);
-
-/// The size of the .env's cubemap: the largest power of two that is not above the specular cubemap's size.
-[[nodiscard]] int env_size(int specular_size) noexcept;
 
 }  // namespace welkin::tool

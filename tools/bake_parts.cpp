@@ -1,5 +1,5 @@
-#include "tools/bake_parts.h"
-
+// Parts of a bake that the command makes itself: its lat-long, options of chains by other lobes than GGX, and how much
+// of the light lies beyond what a file's format holds.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +8,7 @@
 
 #include "image/geometry.h"
 #include "projection/sanitized_pixels.h"
+#include "tools/baked.h"
 #include "welkin/resampling.h"
 
 namespace welkin::tool {
@@ -29,13 +30,6 @@ PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options
   if (lobe == LobeFamily::lambert)
     chain.size = options.irradiance_size > 0 ? options.irradiance_size : IrradianceOptions().size;
   return chain;
-}
-
-OctahedralOptions octahedral_of(int size, int chain_levels) {
-  OctahedralOptions options{.size = size};
-  while (options.levels < chain_levels && size % (2 << (options.levels - 1)) == 0 && (size >> options.levels) >= 4)
-    ++options.levels;
-  return options;
 }
 
 namespace {

@@ -10,7 +10,6 @@
 #include "jobs/tiles.h"
 #include "platform/text.h"
 #include "tools/bake_manifest.h"
-#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
 #include "tools/sh_command.h"
 #include "tools/terminal.h"

@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "tools/bake_parts.h"
 #include "tools/engine_folders.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -260,8 +259,8 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
     env.lobe_roughness.clear();
     return env;
   }
-  env.size = env_size(specular.size);
-  const int mips = full_chain_levels(env.size);
+  const int mips = full_chain_levels(specular.size);
+  env.size = 1 << (mips - 1);  // the largest power of two that is not above it
   env.mips = mips;
   env.roughness = mip_roughness(RoughnessSchedule::babylon, mips, env.size);
   env.lobe_roughness.clear();
@@ -341,10 +340,12 @@ void explain_folder(const BakeCommandOptions& options, Plan& planned) {
 
 std::string lobe_pass(LobeFamily lobe) { return std::string("lobe ") + name(lobe); }
 
+constexpr const char* kEnvReason = "Babylon.js has its own roughness for each mip";
 constexpr const char* kLobeReason = "as --lobe asks";
 
-void plan_chain(const SourceShape& source, const PrefilterOptions& chain, const std::string& name,
-                const std::string& reason, Plan& planned) {
+/// Adds a chain that the library's bake does not make, and returns the bytes that it takes by itself.
+std::uint64_t plan_chain(const SourceShape& source, const PrefilterOptions& chain, const std::string& name,
+                         const std::string& reason, Plan& planned) {
   const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain));
   PlannedPass pass = beside.pass("specular");
   pass.name = name;
@@ -352,16 +353,7 @@ void plan_chain(const SourceShape& source, const PrefilterOptions& chain, const 
   planned.result_bytes += beside.result_bytes;
   planned.working_bytes = std::max(planned.working_bytes, beside.working_bytes);
   planned.passes.push_back(std::move(pass));
-}
-
-/// What the library's bake does not make stands in the plan too: the chain of the .env or .glb, and those of --lobe.
-void plan_chains(const SourceShape& source, const EnvChain& env, const BakeCommandOptions& options,
-                 const PrefilterOptions& specular, Plan& planned) {
-  if (env.second()) {
-    plan_chain(source, env.options, env.pass, "Babylon.js has its own roughness for each mip", planned);
-  }
-  for (const LobeFamily lobe : options.lobes)
-    plan_chain(source, lobe_options(lobe, options, specular), lobe_pass(lobe), kLobeReason, planned);
+  return beside.result_bytes + beside.working_bytes;
 }
 
 /// What a file carries may be taken if nothing is to be done to it. (Of an .env more is made than a plan knows.)
@@ -443,14 +435,17 @@ FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& opti
   explain_folder(options, folder.light);
   folder.env = env_chain(options, asked, folder.light);
   folder.whole = folder.light;
-  plan_chains(source, folder.env, options, *asked.specular, folder.whole);
+  const EnvChain& env = folder.env;
+  if (env.second()) {
+    folder.memory.second_bake = plan_chain(source, env.options, env.pass, kEnvReason, folder.whole);
+  }
+  for (const LobeFamily lobe : options.lobes) {
+    plan_chain(source, lobe_options(lobe, options, *asked.specular), lobe_pass(lobe), kLobeReason, folder.whole);
+  }
   folder.memory.bake = folder.light.result_bytes + folder.light.working_bytes;
-  folder.memory.env_size = folder.env.options.size;
-  folder.memory.env_mips = folder.env.options.mips.value_or(0);
+  folder.memory.env_size = env.options.size;
+  folder.memory.env_mips = env.options.mips.value_or(0);
   folder.memory.lat_long = lat_long_bytes(source, options, asked);
-  if (!folder.env.second()) return folder;
-  const Plan second = plan(source, SceneNeeds(), second_bake_options(folder.env.options));
-  folder.memory.second_bake = second.result_bytes + second.working_bytes;
   return folder;
 }
 
@@ -503,7 +498,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
     baked.light = timed(baked.passes, kBakePass, reason,
                         [&] { return bake_light(source, work.light, cache, part_of(control, kRead, end)); });
     if (work.env.second()) {
-      baked.env = timed(baked.passes, work.env.pass, "Babylon.js has its own roughness for each mip", [&] {
+      baked.env = timed(baked.passes, work.env.pass, kEnvReason, [&] {
         return prefilter_chain(source, work.env.options, cache, part_of(control, kBaked, 1.0));
       });
     }

@@ -2,16 +2,23 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "tools/bake_options.h"
-#include "tools/bake_parts.h"
 #include "tools/terminal.h"
 #include "welkin/bake.h"
 
 namespace welkin::tool {
+
+/// A chain by another lobe than GGX.
+struct LobeChain {
+  LobeFamily lobe{};
+  PrefilteredSpecular light;
+};
 
 /// All directions and faces in Welkin's axes.
 struct Baked {
@@ -80,5 +87,29 @@ struct Prediction {
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
 /// before, if it is to be explained.
 [[nodiscard]] Baked bake_source(BakeCommandOptions& options, const Control& control);
+
+// Parts of a bake that the command makes itself.
+
+/// Returns what the file of a lobe's chain holds.
+[[nodiscard]] std::string what_of(LobeFamily lobe);
+
+/// Returns the options of a lobe's chain. `specular`: of `library_options`.
+[[nodiscard]] PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options,
+                                            const PrefilterOptions& specular);
+
+/// Returns the bytes of the lat-long; 0 if there is none. `whole`: from `library_options`.
+[[nodiscard]] std::uint64_t lat_long_bytes(const SourceShape& source, const BakeCommandOptions& options,
+                                           const BakeOptions& whole);
+
+/// Returns the lat-long of a bake, without width if there is none. In an engine's folder, if no option names a size, it
+/// is as large as the source, or four times as wide as a cubemap's face; else it is four times as wide as the
+/// background cubemap. A lat-long source of that size keeps its pixels, except for those that the pixel policy changes.
+[[nodiscard]] LatLongImage lat_long_of(const EnvironmentView& source, const BakeCommandOptions& options,
+                                       const BakeOptions& whole, const Control& control);
+
+/// Returns the light that a clamp at `largest` takes away as a share of all luminance, by solid angle; 0 if there is no
+/// light. Pixels are RGB floats; negative values count as no light.
+[[nodiscard]] double share_beyond(const LatLongView& picture, const glm::dvec3& largest);
+[[nodiscard]] double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest);
 
 }  // namespace welkin::tool

@@ -26,7 +26,6 @@ constexpr int kVersion = 1;
 constexpr std::size_t kMaxJobs = 10'000'000;
 constexpr std::uintmax_t kMaxPlanBytes = std::uintmax_t{1} << 32U;
 constexpr double kMaxSeconds = 1e9;
-constexpr double kMaxBytes = 1e15;
 
 // ---- Options
 
@@ -151,14 +150,6 @@ double seconds_of(const Prediction& prediction, const BakeCommandOptions& option
 /// C++ strings go on behind a NUL, and names of files end there.
 void refuse_nul(const std::string& text, const std::string& where) {
   if (text.find('\0') != std::string::npos) throw Flaw{where + " has a character NUL"};
-}
-
-Member texts(const char* name, std::vector<std::string>& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            read_list(value, where, [&](const Json& word, const std::string& place) {
-              text("", target.emplace_back()).read(word, place);
-            });
-          }};
 }
 
 /// Adds jobs to a plan one by one.
@@ -328,25 +319,16 @@ class Planner {
 
 // ---- The file
 
-std::uint64_t bytes_in(double value, const std::string& where) {
-  if (!(value >= 0.0 && value <= kMaxBytes)) throw Flaw{where + " has an impossible number of bytes"};
-  return static_cast<std::uint64_t>(value);
-}
-
 BatchJob job_in(const Json& value, const std::string& where) {
   BatchJob job;
-  double size = 0.0;
-  double memory = 0.0;
   read_object(
       value, where,
       {text("name", job.name), text("input", job.input), texts("options", job.options), number("seconds", job.seconds),
-       number("size", size), number("memory", memory), text("error", job.error)});
+       bytes("size", job.size), bytes("memory", job.memory), text("error", job.error)});
   if (job.name.empty() || job.input.empty()) throw Flaw{where + " has no name or no input"};
   refuse_nul(job.name, where + ".name");
   refuse_nul(job.input, where + ".input");
   if (!(job.seconds >= 0.0 && job.seconds <= kMaxSeconds)) throw Flaw{where + ".seconds is impossible"};
-  job.size = bytes_in(size, where);
-  job.memory = bytes_in(memory, where);
   return job;
 }
 

@@ -33,51 +33,26 @@ ContentHash hash_of(const ResultFiles& files) {
   return hash_bytes(all.data(), all.size());
 }
 
-Json json_of(const ResultFiles& files) {
-  return json_list(files, [](const ResultFile& file) -> Json {
-    return {{"name", file.name}, {"bytes", file.bytes}, {"hash", file.hash.text()}};
-  });
+Member result_file(const char* name, ResultFile& target) {
+  return object(name, target, {text("name", target.name), bytes("bytes", target.bytes), hash("hash", target.hash)});
 }
 
-Member hash(const char* name, ContentHash& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            const std::optional<ContentHash> found = hash_in(value.is_text() ? value.text() : "");
-            if (!found) throw Flaw{where + " is no hash"};
-            target = *found;
-          }};
-}
-
-ResultFile file_in(const Json& value, const std::string& where) {
-  constexpr double kMax = 1e15;
-  ResultFile file;
-  double bytes = -1.0;
-  read_object(value, where, {text("name", file.name), number("bytes", bytes), hash("hash", file.hash)});
-  const bool is_ours = file.name == kManifestName || is_plain_name(file.name);
-  if (!is_ours || !(bytes >= 0.0 && bytes <= kMax)) throw Flaw{where};
-  file.bytes = static_cast<std::uint64_t>(bytes);
-  return file;
-}
+Json json_of(ResultFiles files) { return list("files", files, result_file).written(); }
 
 JobResult result_in(const Json& json) {
   JobResult result;
   std::string schema;
   std::string state;
   int version = 0;
-  const auto add = [&](const Json& value, const std::string& where) { result.files.push_back(file_in(value, where)); };
   read_object(json, "result",
-              {text("schema", schema),
-               whole_number("version", version),
-               text("state", state),
-               hash("key", result.key),
-               {"files", [&](const Json& value, const std::string& where) { read_list(value, where, add); }},
-               text("error_code", result.error_code),
-               text("error", result.error),
-               number("seconds", result.seconds),
-               whole_number("threads", result.threads),
-               text("host", result.host),
-               number("start", result.start)});
+              {text("schema", schema), whole_number("version", version), text("state", state), hash("key", result.key),
+               list("files", result.files, result_file), text("error_code", result.error_code),
+               text("error", result.error), number("seconds", result.seconds), whole_number("threads", result.threads),
+               text("host", result.host), number("start", result.start)});
   const auto* const found = std::ranges::find(kStates, state);
   if (schema != kSchema || version != kVersion || found == kStates.end()) throw Flaw{"is no result"};
+  const auto is_ours = [](const ResultFile& file) { return file.name == kManifestName || is_plain_name(file.name); };
+  if (!std::ranges::all_of(result.files, is_ours)) throw Flaw{"lists other files than a bake's"};
   result.state = static_cast<JobState>(found - kStates.begin());
   return result;
 }

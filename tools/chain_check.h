@@ -17,6 +17,7 @@
 #include "welkin/image.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 
@@ -139,6 +140,9 @@ struct HarmonicsCheck {
   double rms = 0.0;               ///< error of the function over the root mean square of that form
   std::vector<std::string> findings{};
 };
+
+/// The root mean square of the difference over that of `expected`, which has as many bands; 0 where that is 0.
+[[nodiscard]] double relative_difference(const SphericalHarmonics& found, const SphericalHarmonics& expected);
 
 /// Throws `Error`.
 [[nodiscard]] HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView& source,

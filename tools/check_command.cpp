@@ -36,7 +36,7 @@ struct CheckOptions {
   CommonOptions common;
   std::string chain;
   std::string source;
-  std::optional<RoughnessChoice> roughness;
+  RoughnessChoice roughness;
   int mips = 0;  ///< 0: all
   double error = 0.0;
   std::string image;
@@ -109,9 +109,9 @@ ChainFile read_chain(const CheckOptions& options, const Control& control) {
 }
 
 std::vector<double> stated_roughness(const CheckOptions& options, const ChainFile& chain) {
-  if (!options.roughness) return chain.roughness;
-  if (!options.roughness->schedule) return options.roughness->table;
-  return mip_roughness(*options.roughness->schedule, static_cast<int>(chain.mips.size()), chain.mips.front().size());
+  const auto& [schedule, table] = options.roughness;
+  if (!schedule) return table.empty() ? chain.roughness : table;
+  return mip_roughness(*schedule, static_cast<int>(chain.mips.size()), chain.mips.front().size());
 }
 
 // For a program.
@@ -312,13 +312,7 @@ Command check_command() {
              "Fail (exit code 1) if the rms error of a mip is above X, such as 0.01",
              {.bounds = finite_and_positive()});
   in_group(table, "Input and output");
-  add_option(table, "--roughness", On<std::vector<std::string>>([options](const std::vector<std::string>& words) {
-               options->roughness = roughness_choice(words);
-             }),
-             schedule_names() + "|LIST",
-             "Roughness of mips: an engine's schedule, or numbers separated by commas; default what the file states, "
-             "else the schedule that fits best",
-             {.list = List::commas});
+  add_roughness_option(table, options->roughness, "what the file states, else the schedule that fits best");
   add_option(table, "--mips", &options->mips, "N", "Compare the first N mips; default all",
              {.bounds = whole_between(1, 16)});
   in_group(table, "Chain");

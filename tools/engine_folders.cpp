@@ -207,11 +207,7 @@ std::string glb(const Json& document, std::string binary) {
   return bytes;
 }
 
-int octaves_of(int size) noexcept {
-  int octaves = 0;
-  while ((size >> (octaves + 1)) > 0) ++octaves;
-  return octaves;
-}
+int octaves_of(int size) noexcept { return full_chain_levels(size) - 1; }
 
 /// Numbers of the pictures, six a mip.
 Json mips_json(std::size_t pictures) {
@@ -224,6 +220,13 @@ Json mips_json(std::size_t pictures) {
   return mips;
 }
 
+/// An object with one member, which braces would make a list.
+Json object_of(const char* name, const Json& content) {
+  Json object = Json::object();
+  object[name] = content;
+  return object;
+}
+
 /// The extension's object at the root of the document.
 Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>& coefficients) {
   Json light = {{"name", "environment"},
@@ -232,9 +235,7 @@ Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>
                 {"irradianceCoefficients", json_list(coefficients, json_triple)},
                 {"specularImageSize", size},
                 {"specularImages", mips_json(pictures)}};
-  Json lights = Json::object();
-  lights["lights"] = Json::array({light});
-  return lights;
+  return object_of("lights", Json::array({light}));
 }
 
 /// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
@@ -245,12 +246,6 @@ std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radi
   for (std::size_t k = 0; k < coefficients.size(); ++k) coefficients[k] = light.terms[k].rgb;
   for (const std::size_t odd_in_x : {3U, 4U, 7U}) coefficients[odd_in_x] *= -1.0;
   return coefficients;
-}
-
-Json extension(const Json& content) {
-  Json extensions = Json::object();
-  extensions[kExtension] = content;
-  return extensions;
 }
 
 }  // namespace
@@ -285,21 +280,16 @@ GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance
     binary.append(png.begin(), png.end());
   }
   pad(binary, '\0');
-  Json buffer = Json::object();
-  buffer["byteLength"] = binary.size();
-  Json scene = Json::object();
-  Json reference = Json::object();
-  reference["light"] = 0;
-  scene["extensions"] = extension(reference);
-  const Json document = {
-      {"asset", {{"version", "2.0"}, {"generator", std::string("Welkin ") + WELKIN_VERSION_STRING}}},
-      {"extensionsUsed", Json::array({kExtension})},
-      {"extensions", extension(lights_json(faces.size(), pictures.png.size(), gltf_light_coefficients(radiance)))},
-      {"scene", 0},
-      {"scenes", Json::array({scene})},
-      {"images", images},
-      {"bufferViews", views},
-      {"buffers", Json::array({buffer})}};
+  const Json scene = object_of("extensions", object_of(kExtension, object_of("light", 0)));
+  const Json document = {{"asset", {{"version", "2.0"}, {"generator", std::string("Welkin ") + WELKIN_VERSION_STRING}}},
+                         {"extensionsUsed", Json::array({kExtension})},
+                         {"extensions", object_of(kExtension, lights_json(faces.size(), pictures.png.size(),
+                                                                          gltf_light_coefficients(radiance)))},
+                         {"scene", 0},
+                         {"scenes", Json::array({scene})},
+                         {"images", images},
+                         {"bufferViews", views},
+                         {"buffers", Json::array({object_of("byteLength", binary.size())})}};
   return {glb(document, std::move(binary)), pictures.values_clamped};
 }
 
@@ -316,36 +306,27 @@ struct Rectangle {
   int height = 0;
 };
 
-/// sqrt(radiance) = c (8 - 7 a), a as large as the largest channel lets it be.
-class Rgbp {
- public:
-  explicit Rgbp(PlayCanvasAtlas& atlas) : atlas_(atlas) {}
-
-  void put(const float* radiance, int column, int row) {
-    std::uint8_t* const texel = atlas_.rgba.data() + 4 * (static_cast<std::size_t>(row) * edge() + column_of(column));
-    float root[3];
-    float largest = 1.0F;
-    for (int channel = 0; channel < 3; ++channel) {
-      const float value = radiance[channel];
-      const bool is_held = value >= 0.0F && value <= static_cast<float>(kLargestRgbp);
-      if (!is_held) ++atlas_.values_clamped;
-      root[channel] = std::sqrt(is_held ? value : value > 0.0F ? static_cast<float>(kLargestRgbp) : 0.0F);
-      largest = std::max(largest, root[channel]);
-    }
-    const float steps = std::floor(255.0F * (8.0F - largest) / 7.0F);  // rounded down, so that no channel is above 1
-    const float scale = 255.0F / (8.0F - 7.0F * steps / 255.0F);
-    for (int channel = 0; channel < 3; ++channel) {
-      texel[channel] = static_cast<std::uint8_t>(std::min(255.0F, std::floor(root[channel] * scale + 0.5F)));
-    }
-    texel[3] = static_cast<std::uint8_t>(steps);
+/// Stores a texel as RGBP: sqrt(radiance) = c (8 - 7 a), a as large as the largest channel lets it be.
+void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
+  const std::size_t place =
+      static_cast<std::size_t>(row) * static_cast<std::size_t>(atlas.size) + static_cast<std::size_t>(column);
+  std::uint8_t* const texel = atlas.rgba.data() + 4 * place;
+  float root[3];
+  float largest = 1.0F;
+  for (int channel = 0; channel < 3; ++channel) {
+    const float value = radiance[channel];
+    const bool is_held = value >= 0.0F && value <= static_cast<float>(kLargestRgbp);
+    if (!is_held) ++atlas.values_clamped;
+    root[channel] = std::sqrt(is_held ? value : value > 0.0F ? static_cast<float>(kLargestRgbp) : 0.0F);
+    largest = std::max(largest, root[channel]);
   }
-
- private:
-  [[nodiscard]] std::size_t edge() const noexcept { return static_cast<std::size_t>(atlas_.size); }
-  [[nodiscard]] static std::size_t column_of(int column) noexcept { return static_cast<std::size_t>(column); }
-
-  PlayCanvasAtlas& atlas_;
-};
+  const float steps = std::floor(255.0F * (8.0F - largest) / 7.0F);  // rounded down, so that no channel is above 1
+  const float scale = 255.0F / (8.0F - 7.0F * steps / 255.0F);
+  for (int channel = 0; channel < 3; ++channel) {
+    texel[channel] = static_cast<std::uint8_t>(std::min(255.0F, std::floor(root[channel] * scale + 0.5F)));
+  }
+  texel[3] = static_cast<std::uint8_t>(steps);
+}
 
 /// A lat-long inside a seam, in which it goes on: around, and over the poles.
 void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
@@ -359,7 +340,6 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
   while (filter == ResampleFilter::bilinear && finer * width < 4 * source.size) finer += 2;
   const LatLongImage picture =
       to_lat_long(source, finer * width, finer * height, dmat3(1.0), filter, {control.stop, {}});
-  Rgbp texels(atlas);
   for (int row = 0; row < at.height; ++row) {
     const int wanted = row - seam;
     const bool is_beyond_pole = wanted < 0 || wanted >= height;
@@ -368,7 +348,7 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
       const int around = column - seam + width + (is_beyond_pole ? width / 2 : 0);
       const auto texel = static_cast<std::size_t>(finer * from + finer / 2) * static_cast<std::size_t>(finer * width) +
                          static_cast<std::size_t>(finer * (around % width) + finer / 2);
-      texels.put(picture.pixels.data() + 3 * texel, at.left + column, at.top + row);
+      put(picture.pixels.data() + 3 * texel, at.left + column, at.top + row, atlas);
     }
   }
 }

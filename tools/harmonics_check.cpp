@@ -154,18 +154,14 @@ SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement&
   return result;
 }
 
-double relative_difference(const SphericalHarmonics& image, const SphericalHarmonics& light, const Form& form) {
-  double squares = 0.0;
-  double all = 0.0;
+/// The light as a form has it.
+SphericalHarmonics formed(SphericalHarmonics light, const Form& form) {
   for (int band = 0; band < kBands; ++band) {
     for (int order = -band; order <= band; ++order) {
-      const glm::dvec3 expected = light.at(band, order) * form.factors[static_cast<std::size_t>(band)];
-      const glm::dvec3 difference = image.at(band, order) - expected;
-      squares += glm::dot(difference, difference);
-      all += glm::dot(expected, expected);
+      light.at(band, order) *= form.factors[static_cast<std::size_t>(band)];
     }
   }
-  return all > 0.0 ? std::sqrt(squares / all) : 0.0;
+  return light;
 }
 
 void add_findings(HarmonicsCheck& check) {
@@ -186,6 +182,17 @@ void add_findings(HarmonicsCheck& check) {
 }
 
 }  // namespace
+
+double relative_difference(const SphericalHarmonics& found, const SphericalHarmonics& expected) {
+  double squares = 0.0;
+  double all = 0.0;
+  for (std::size_t i = 0; i < expected.coefficients().size(); ++i) {
+    const glm::dvec3 difference = found.coefficients()[i] - expected.coefficients()[i];
+    squares += glm::dot(difference, difference);
+    all += glm::dot(expected.coefficients()[i], expected.coefficients()[i]);
+  }
+  return all > 0.0 ? std::sqrt(squares / all) : 0.0;
+}
 
 std::optional<HarmonicsFile> read_harmonics(const std::filesystem::path& file) {
   if (file.extension() == ".json") return read_own(file);
@@ -209,13 +216,7 @@ HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView&
   // The form is not known yet: the placement is that of the form which is nearest in shape.
   double least = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
-    SphericalHarmonics formed = light;
-    for (int band = 0; band < kBands; ++band) {
-      for (int order = -band; order <= band; ++order) {
-        formed.at(band, order) *= form.factors[static_cast<std::size_t>(band)];
-      }
-    }
-    const PlacementFit fit = placement_of(file.values, sampled(formed));
+    const PlacementFit fit = placement_of(file.values, sampled(formed(light, form)));
     if (fit.difference >= least || !fit.placement.matrix) continue;  // a polynomial has no faces to mix up
     least = fit.difference;
     check.placement = fit.placement;
@@ -232,7 +233,7 @@ HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView&
     if (distance >= least) continue;
     least = distance;
     check.form = form.words;
-    check.rms = relative_difference(image, expected, form);
+    check.rms = relative_difference(image, formed(expected, form));
     check.factors.assign(factors.begin(), factors.end());
     for (std::size_t band = 0; band < kBands; ++band) check.factors[band] /= form.factors[band];
   }

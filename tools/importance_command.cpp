@@ -19,7 +19,6 @@
 #include "tools/commands.h"
 #include "tools/input.h"
 #include "tools/json.h"
-#include "tools/own_files.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -32,14 +31,20 @@ namespace {
 
 constexpr const char* kTableName = "importance.json";
 
+/// All tables that may be written.
+std::vector<std::string> table_names(bool alias, bool pyramid) {
+  std::vector<std::string> names = {"function.npy", "row_cdf.npy", "column_cdf.npy"};
+  if (alias) names.insert(names.end(), {"alias_rows.npy", "alias_columns.npy"});
+  constexpr int kMaxLevels = 17;  // of 65536 texels
+  for (int level = 0; pyramid && level < kMaxLevels; ++level) {
+    names.push_back("pyramid_" + std::to_string(level) + ".npy");
+  }
+  return names;
+}
+
 bool is_table_name(std::string_view name) {
-  constexpr std::array<std::string_view, 5> kNames = {"function.npy", "row_cdf.npy", "column_cdf.npy", "alias_rows.npy",
-                                                      "alias_columns.npy"};
-  if (std::ranges::find(kNames, name) != kNames.end()) return true;
-  constexpr std::string_view kStart = "pyramid_";
-  constexpr std::string_view kEnd = ".npy";
-  return name.starts_with(kStart) && name.ends_with(kEnd) &&
-         name.find_first_not_of("0123456789", kStart.size()) == name.size() - kEnd.size();
+  const std::vector<std::string> names = table_names(true, true);
+  return std::ranges::find(names, name) != names.end();
 }
 
 constexpr FileSet kTableFiles{"importance", kTableName, is_table_name};
@@ -88,27 +93,11 @@ void write_table(const std::string& name, const std::vector<std::size_t>& shape,
   folder.add({name, "", "", shape});
 }
 
-/// All that may be written, index included.
-std::vector<std::string> names_to_write(const ImportanceCommandOptions& options) {
-  std::vector<std::string> names = {kTableName, "function.npy", "row_cdf.npy", "column_cdf.npy"};
-  if (options.alias) names.insert(names.end(), {"alias_rows.npy", "alias_columns.npy"});
-  constexpr int kMaxLevels = 17;  // of 65536 texels
-  for (int level = 0; options.pyramid && level < kMaxLevels; ++level) {
-    names.push_back("pyramid_" + std::to_string(level) + ".npy");
-  }
-  return names;
-}
+constexpr std::array kWeights{"luminance", "mean", "largest"};
 
-const char* word_of(ImportanceWeight weight) {
-  switch (weight) {
-    case ImportanceWeight::luminance: return "luminance";
-    case ImportanceWeight::mean: return "mean";
-    case ImportanceWeight::largest: break;
-  }
-  return "largest";
-}
+const char* word_of(ImportanceWeight weight) { return kWeights.at(static_cast<std::size_t>(weight)); }
 
-Json file_json(const WrittenFile& file) {
+Json table_file_json(const WrittenFile& file) {
   return {{"name", file.name}, {"shape", file.details}, {"bytes", file.bytes}};
 }
 
@@ -116,7 +105,8 @@ std::size_t count_of(int number) { return static_cast<std::size_t>(number); }
 
 std::string make(const ImportanceCommandOptions& options, const Control& control) {
   const std::filesystem::path directory = platform::path_of(options.directory);
-  const std::vector<std::string> names = names_to_write(options);
+  std::vector<std::string> names = table_names(options.alias, options.pyramid);
+  names.insert(names.begin(), kTableName);
   check_output_folder(directory);
   OwnFiles(directory, kTableFiles).require(names);
   const FileInput input = input_of(options.input, options.common.read);
@@ -164,7 +154,7 @@ std::string make(const ImportanceCommandOptions& options, const Control& control
                        {"directions",
                         "column i of width, row j of height: longitude pi - 2 pi i / width, latitude pi / 2 - pi j / "
                         "height; (sin lon cos lat, sin lat, cos lon cos lat); uniform in solid angle within a texel"},
-                       {"files", json_list(folder.files(), file_json)}};
+                       {"files", json_list(folder.files(), table_file_json)}};
   const std::string text = json_text(report);
   const std::vector<std::string> remarks = folder.finish(text, {platform::path_of(options.input)});
   if (options.common.json) return text;
@@ -189,10 +179,7 @@ Command importance_command() {
   Command command{"importance", "Make tables for the importance sampling of path tracers",
                   embedded_text("help/importance.txt")};
   Options& table = command.options;
-  add_option(table, "INPUT", &options->input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; - for "
-             "standard input",
-             {.required = true});
+  add_option(table, "INPUT", &options->input, "", input_text(false), {.required = true});
   add_option(table, "-o,--output", &options->directory, "DIR",
              "The folder to write to, made if it is not there; default the input's name without its extension and "
              "_importance, here. A folder of that name with other files is left alone");
@@ -202,12 +189,9 @@ Command importance_command() {
              "Width of the table, at most the input's; default the input's", {.bounds = whole_between(1, kLargest)});
   add_option(table, "--height", &options->table.height, "N",
              "Height of the table, at most the input's; default the input's", {.bounds = whole_between(1, kLargest)});
-  table.push_back(choice<ImportanceWeight>("--weight", options->table.weight,
-                                           {{"luminance", ImportanceWeight::luminance},
-                                            {"mean", ImportanceWeight::mean},
-                                            {"largest", ImportanceWeight::largest}},
-                                           "Weight of a texel: its luminance, or the mean or largest of its "
-                                           "channels; default luminance"));
+  table.push_back(choice<ImportanceWeight>(
+      "--weight", options->table.weight, by_order<ImportanceWeight>(kWeights),
+      "Weight of a texel: its luminance, or the mean or largest of its channels; default luminance"));
   add_option(table, "--mis-compensation", &options->table.mis_compensation, "",
              "Subtract the mean, for estimators that also sample the material");
   add_option(table, "--alias", &options->alias, "", "Also write alias tables");

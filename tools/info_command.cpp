@@ -175,11 +175,7 @@ std::string described(const InfoOptions& options, const Control& control) {
 Command info_command() {
   const auto options = std::make_shared<InfoOptions>();
   Command command{"info", "Describe an environment file", embedded_text("help/info.txt")};
-  add_option(command.options, "FILE", &options->file, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; of six "
-             "files, one of them or "
-             "their folder; - for standard input",
-             {.required = true});
+  add_option(command.options, "FILE", &options->file, "", input_text(true), {.required = true});
   add_json_option(command.options, options->common);
   in_group(command.options, "Input and output");
   add_read_options(command.options, options->common, "");

@@ -57,12 +57,15 @@ void add_memory_limit_option(Options& table, CommonOptions& options) {
              {.group = kRunningGroup});
 }
 
+std::string input_text(bool six) {
+  return std::string(
+             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; ") +
+         (six ? "of six files, one of them or their folder; " : "") + "- for standard input";
+}
+
 void add_input_options(Options& table, std::optional<std::string>& input, bool& sky) {
   constexpr const char* kInput = "INPUT";
-  add_option(table, kInput, &input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; of six "
-             "files, one of "
-             "them or their folder; - for standard input");
+  add_option(table, kInput, &input, "", input_text(true));
   add_option(table, "--sky", &sky, "", "Use the built-in computed sky instead of a file", {.excludes = {kInput}});
 }
 

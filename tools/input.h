@@ -36,6 +36,9 @@ struct CommonOptions {
   std::string cache;                             ///< a folder; empty: results are not kept
 };
 
+/// The description of an option that names an environment to read. `six`: of six files it may be one, or their folder.
+[[nodiscard]] std::string input_text(bool six);
+
 /// INPUT, a file's path, and --sky, the built-in computed sky. They exclude each other.
 void add_input_options(Options& table, std::optional<std::string>& input, bool& sky);
 

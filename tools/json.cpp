@@ -197,6 +197,12 @@ std::string json_text(const Json& object) {
   return text + "\n}\n";
 }
 
+Json json_object(const std::vector<Member>& members) {
+  Json object = Json::object();
+  for (const Member& member : members) object[member.name] = member.written();
+  return object;
+}
+
 void read_object(const Json& object, const std::string& where, const std::vector<Member>& members) {
   if (!object.is_object()) throw Flaw{where + " is not a JSON object"};
   for (const auto& [key, value] : object.members()) {
@@ -220,44 +226,53 @@ void read_list(const Json& list, const std::string& where,
 }
 
 Member number(const char* name, double& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_number()) throw Flaw{where + " is not a number"};
-            target = value.number();
-          }};
-}
-
-Member numbers(const char* name, std::vector<double>& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            target.clear();
-            read_list(value, where, [&](const Json& element, const std::string& at) {
-              if (!element.is_number()) throw Flaw{at + " is not a number"};
-              target.push_back(element.number());
-            });
-          }};
-}
-
-Member text(const char* name, std::string& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_text()) throw Flaw{where + " is not a string"};
-            target = value.text();
-          }};
+  const auto read = [&target](const Json& value, const std::string& where) {
+    if (!value.is_number()) throw Flaw{where + " is not a number"};
+    target = value.number();
+  };
+  return {name, read, [&target] { return target; }};
 }
 
 Member whole_number(const char* name, int& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            const bool whole = value.is_whole_number() && value.number() >= std::numeric_limits<int>::min() &&
-                               value.number() <= std::numeric_limits<int>::max();
-            if (!whole) throw Flaw{where + " is not an integer"};
-            target = static_cast<int>(value.number());
-          }};
+  const auto read = [&target](const Json& value, const std::string& where) {
+    const bool whole = value.is_whole_number() && value.number() >= std::numeric_limits<int>::min() &&
+                       value.number() <= std::numeric_limits<int>::max();
+    if (!whole) throw Flaw{where + " is not an integer"};
+    target = static_cast<int>(value.number());
+  };
+  return {name, read, [&target] { return target; }};
+}
+
+Member bytes(const char* name, std::uint64_t& target) {
+  constexpr double kMost = 1e15;
+  const auto read = [&target](const Json& value, const std::string& where) {
+    if (!value.is_number() || !(value.number() >= 0.0 && value.number() <= kMost)) {
+      throw Flaw{where + " is not a possible number of bytes"};
+    }
+    target = static_cast<std::uint64_t>(value.number());
+  };
+  return {name, read, [&target] { return target; }};
 }
 
 Member flag(const char* name, bool& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            if (!value.is_boolean()) throw Flaw{where + " is neither true nor false"};
-            target = value.boolean();
-          }};
+  const auto read = [&target](const Json& value, const std::string& where) {
+    if (!value.is_boolean()) throw Flaw{where + " is neither true nor false"};
+    target = value.boolean();
+  };
+  return {name, read, [&target] { return target; }};
 }
+
+Member text(const char* name, std::string& target) {
+  const auto read = [&target](const Json& value, const std::string& where) {
+    if (!value.is_text()) throw Flaw{where + " is not a string"};
+    target = value.text();
+  };
+  return {name, read, [&target] { return target; }};
+}
+
+Member numbers(const char* name, std::vector<double>& target) { return list(name, target, number); }
+
+Member texts(const char* name, std::vector<std::string>& target) { return list(name, target, text); }
 
 Json parse_json(const std::string& text) {
   const auto not_too_deep = [](int depth, Library::parse_event_t /*event*/, Library& /*value*/) {

@@ -111,11 +111,15 @@ struct Flaw {
   std::string message;
 };
 
-/// A member that an object may have, and what reads it; `where` names it in messages.
+/// A member that an object may have: what reads it, where `where` names it in messages, and what writes it.
 struct Member {
   const char* name;
   std::function<void(const Json& value, const std::string& where)> read;
+  std::function<Json()> written{};  ///< none of a member that is only read
 };
+
+/// The object of these members, none of which is only read.
+[[nodiscard]] Json json_object(const std::vector<Member>& members);
 
 /// Reads an object's members; what is missing is left as it is. Throws `Flaw` for what is no object and for a member of
 /// another name, naming those that there are.
@@ -129,12 +133,39 @@ void read_list(const Json& list, const std::string& where,
                const std::function<void(const Json& element, const std::string& where)>& read,
                std::size_t most = kMaxElements);
 
-// Members of a kind. What reads them throws `Flaw` for a value of another.
+// Members of a kind, which must not outlive their targets. What reads them throws `Flaw` for a value of another.
 [[nodiscard]] Member number(const char* name, double& target);
 [[nodiscard]] Member whole_number(const char* name, int& target);
 [[nodiscard]] Member flag(const char* name, bool& target);
-[[nodiscard]] Member numbers(const char* name, std::vector<double>& target);
 [[nodiscard]] Member text(const char* name, std::string& target);
+/// A number of bytes, 1e15 at most.
+[[nodiscard]] Member bytes(const char* name, std::uint64_t& target);
+/// An object with these members of the target. What is missing is as in a default one.
+template <class Value>
+[[nodiscard]] Member object(const char* name, Value& target, const std::vector<Member>& members) {
+  const auto read = [&target, members](const Json& value, const std::string& where) {
+    target = Value();
+    read_object(value, where, members);
+  };
+  return {name, read, [members] { return json_object(members); }};
+}
+/// A list, each element of which is read and written as a member of that kind.
+template <class Value>
+[[nodiscard]] Member list(const char* name, std::vector<Value>& target, Member (*kind)(const char*, Value&)) {
+  const auto read = [&target, kind](const Json& value, const std::string& where) {
+    target.clear();
+    read_list(value, where,
+              [&](const Json& element, const std::string& at) { kind("", target.emplace_back()).read(element, at); });
+  };
+  const auto written = [&target, kind] {
+    Json values = Json::array();
+    for (Value& value : target) values.push_back(kind("", value).written());
+    return values;
+  };
+  return {name, read, written};
+}
+[[nodiscard]] Member numbers(const char* name, std::vector<double>& target);
+[[nodiscard]] Member texts(const char* name, std::vector<std::string>& target);
 
 /// Nests no deeper than 8. Throws `Flaw` for what is no JSON.
 [[nodiscard]] Json parse_json(const std::string& text);

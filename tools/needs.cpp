@@ -22,17 +22,26 @@ void read_range(const Json& value, const std::string& where, std::optional<Rough
   target = range;
 }
 
+Json range_json(const std::optional<RoughnessRange>& range) {
+  if (!range) return nullptr;
+  return {{"minimum", range->minimum}, {"maximum", range->maximum}};
+}
+
+std::vector<Member> members_of(SceneNeeds& needs) {
+  return {whole_number("diffuse_bands", needs.diffuse_bands),
+          flag("irradiance_cubemap", needs.irradiance_cubemap),
+          {"glossy", [&needs](const Json& value, const std::string& where) { read_range(value, where, needs.glossy); },
+           [&needs] { return range_json(needs.glossy); }},
+          flag("background", needs.background),
+          flag("background_mips", needs.background_mips),
+          flag("brdf_table", needs.brdf_table),
+          flag("stored_results", needs.stored_results),
+          flag("sun_moves", needs.sun_moves)};
+}
+
 SceneNeeds needs_of(const Json& json) {
   SceneNeeds needs;
-  read_object(json, "needs",
-              {whole_number("diffuse_bands", needs.diffuse_bands),
-               flag("irradiance_cubemap", needs.irradiance_cubemap),
-               {"glossy", [&](const Json& value, const std::string& where) { read_range(value, where, needs.glossy); }},
-               flag("background", needs.background),
-               flag("background_mips", needs.background_mips),
-               flag("brdf_table", needs.brdf_table),
-               flag("stored_results", needs.stored_results),
-               flag("sun_moves", needs.sun_moves)});
+  read_object(json, "needs", members_of(needs));
   if (needs.diffuse_bands < 0 || needs.diffuse_bands > kMaximumBands) {
     throw Flaw{"needs.diffuse_bands is " + std::to_string(needs.diffuse_bands) + "; it must be from 0 to " +
                std::to_string(kMaximumBands)};
@@ -80,18 +89,7 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
   add_option(table, "--plan-only", &choice.plan_only, "", "Print the plan and bake nothing");
 }
 
-Json needs_json(const SceneNeeds& needs) {
-  Json glossy;
-  if (needs.glossy) glossy = {{"minimum", needs.glossy->minimum}, {"maximum", needs.glossy->maximum}};
-  return {{"diffuse_bands", needs.diffuse_bands},
-          {"irradiance_cubemap", needs.irradiance_cubemap},
-          {"glossy", glossy},
-          {"background", needs.background},
-          {"background_mips", needs.background_mips},
-          {"brdf_table", needs.brdf_table},
-          {"stored_results", needs.stored_results},
-          {"sun_moves", needs.sun_moves}};
-}
+Json needs_json(SceneNeeds needs) { return json_object(members_of(needs)); }
 
 SceneNeeds read_needs(const std::filesystem::path& path, Pipes pipes) {
   try {

@@ -313,10 +313,7 @@ Command convert_command() {
   Command command{"convert", "Write an environment in another format, layout or size",
                   embedded_text("help/convert.txt")};
   Options& table = command.options;
-  add_option(table, "IN", &options->input, "",
-             "An OpenEXR, Radiance .hdr, PFM, PNG, JPEG (with a gain map), KTX2, DDS or Babylon.js .env file; - for "
-             "standard input",
-             {.required = true});
+  add_option(table, "IN", &options->input, "", input_text(false), {.required = true});
   add_option(table, "OUT", &options->output.path, "",
              "The file to write: .exr, .hdr, .pfm or .png; - for standard output", {.required = true});
   add_output_options(table, options->output);

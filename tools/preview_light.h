@@ -1,4 +1,5 @@
-// Light to what a screen can show: exposure, curve, look-ups in cubemaps, pictures with labels.
+// Light to what a screen can show: exposure, curve, look-ups in cubemaps, pictures with labels; and pictures of what
+// was baked: the surroundings, the mips, spheres in that light.
 #pragma once
 
 #include <algorithm>
@@ -11,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "welkin/bake.h"
+#include "welkin/core.h"
 #include "welkin/image.h"
 
 namespace welkin::tool {
@@ -94,5 +97,25 @@ class PreviewPicture {
 
 /// The width of a label in pixels.
 [[nodiscard]] double label_width(std::string_view text, double height) noexcept;
+
+/// Common to all previews.
+struct PreviewOptions {
+  ToneMap tone_map;
+  int sphere = 256;  ///< pixels across one
+};
+
+/// A picture that was written.
+struct WrittenPreview {
+  const char* name;
+  const char* what;
+  int width;
+  int height;
+};
+
+/// Draws preview_environment.png, preview_spheres.png and preview_mips.png into a folder, those for which `light` has
+/// what they show. Throws `Error`: file_access, unsupported_file (a build without PNG), cancelled.
+[[nodiscard]] std::vector<WrittenPreview> write_previews(const BakeResult& light, const PreviewOptions& options,
+                                                         const std::filesystem::path& folder,
+                                                         const Control& control = {});
 
 }  // namespace welkin::tool

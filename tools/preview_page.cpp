@@ -1,7 +1,5 @@
 // A page on which a person turns spheres and a knot in the light that was baked.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "embedded_texts.h"
+#include "image/pixels.h"
 #include "jobs/control.h"
 #include "tools/bake_manifest.h"
 #include "tools/json.h"
@@ -35,22 +34,10 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Nine bits a channel and an exponent for all, as WebGL's RGB9_E5. (OpenGL ES 3.0, 3.8.3.2.)
+/// Nine bits a channel and an exponent for all, as WebGL's RGB9_E5. (OpenGL ES 3.0, 3.8.3.2.) NaN is 0.
 std::uint32_t shared_exponent(const float* rgb) {
-  constexpr int kBits = 9, kBias = 15;
-  constexpr float kLargest = 65408.0F;
-  std::array<float, 3> light{};
-  for (std::size_t k = 0; k < 3; ++k) light[k] = rgb[k] > 0.0F ? std::min(rgb[k], kLargest) : 0.0F;  // of NaN too
-  const float brightest = std::max({light[0], light[1], light[2]});
-  int exponent = 0;
-  (void)std::frexp(brightest, &exponent);  // brightest is below 2^exponent
-  exponent = std::max(exponent, -kBias);
-  const auto code = [&](float value) {
-    return static_cast<std::uint32_t>(std::lround(std::ldexp(value, kBits - exponent)));
-  };
-  if (code(brightest) == 1U << kBits) ++exponent;
-  return code(light[0]) | code(light[1]) << 9U | code(light[2]) << 18U |
-         static_cast<std::uint32_t>(exponent + kBias) << 27U;
+  const auto held = [](float value) { return value > 0.0F ? std::min(value, image::kLargestSharedFloat) : 0.0F; };
+  return image::pack_e5b9g9r9({held(rgb[0]), held(rgb[1]), held(rgb[2])});
 }
 
 /// Levels of a cubemap in packed floats, from one of at most `largest` texels on.

@@ -1,5 +1,4 @@
-#include "tools/previews.h"
-
+// Pictures for people: the surroundings, the mips, spheres lit by what was baked.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "image/geometry.h"
 #include "jobs/tiles.h"
+#include "tools/preview_light.h"
 #include "tools/text.h"
 #include "welkin/reflections.h"
 
@@ -60,8 +60,9 @@ void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, c
   });
 }
 
-}  // namespace
-
+/// The surroundings as a lat-long, twice as wide as high, as who stands there sees them: +z in the middle, +x to the
+/// left of it. (A cubemap's own faces look mirrored: docs/explanation/orientation.md says why.) The axes are written at
+/// the foot.
 PreviewPicture preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
                                    const Control& control) {
   PreviewPicture picture(2 * height, height, kGround);
@@ -75,6 +76,9 @@ PreviewPicture preview_environment(const CubeLookup& environment, const ToneMap&
   return picture;
 }
 
+/// Every mip as a lat-long of its own, all of one size, side by side from the sharpest to the roughest, with its
+/// roughness written on it. A texel is spread over many pixels as a graphics card spreads it, so that seams would show.
+/// `light` must have its specular chain; `height` is that of each.
 PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, int height, const Control& control) {
   constexpr int kInARow = 3;
   const std::vector<MipRecord>& mips = light.specular->mips;
@@ -99,8 +103,6 @@ PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, in
   }
   return picture;
 }
-
-namespace {
 
 /// What the spheres of a row are made of.
 struct PreviewMaterial {
@@ -269,8 +271,14 @@ void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& 
   }
 }
 
-}  // namespace
-
+/// Rows of spheres on a dark ground: a material a row, a roughness a column, both written beside them. The viewer looks
+/// along -z from far away: +x is to the right, and the spheres mirror what is behind the viewer, the lat-long's centre.
+///
+/// A sphere shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
+/// without a table), and if it is no metal also (1 - A) albedo irradiance(normal) / pi. Without an irradiance cubemap
+/// there are metals alone. `light` must have its specular chain; its background, if there is one, stands in for a sharp
+/// mip 0 where the picture is coarser than that. `sphere`: pixels across one; they lie 9/8 of that apart, and the
+/// labels take another 1/8 above and a half on the left.
 PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
   const Light lit(light, sphere);
   const Grid grid{sphere};
@@ -300,8 +308,6 @@ PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map,
   }
   return picture;
 }
-
-namespace {
 
 constexpr int kPanoramaHeight = 512;
 constexpr int kMipHeight = 160;

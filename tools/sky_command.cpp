@@ -14,6 +14,7 @@
 #include "platform/text.h"
 #include "tools/bake_options.h"
 #include "tools/baked.h"
+#include "tools/chain_check.h"
 #include "tools/commands.h"
 #include "tools/preview_light.h"
 #include "tools/sh_command.h"
@@ -442,17 +443,6 @@ void settle(SkyOptions& options, const Given& given) {
 
 constexpr int kMaxZeniths = 128;
 constexpr int kMaxAzimuths = 256;
-
-double relative_difference(const SphericalHarmonics& coarse, const SphericalHarmonics& fine) {
-  double difference = 0.0;
-  double power = 0.0;
-  for (std::size_t i = 0; i < fine.coefficients().size(); ++i) {
-    const glm::dvec3 change = coarse.coefficients()[i] - fine.coefficients()[i];
-    difference += glm::dot(change, change);
-    power += glm::dot(fine.coefficients()[i], fine.coefficients()[i]);
-  }
-  return power > 0.0 ? std::sqrt(difference / power) : 0.0;
-}
 
 /// What a quadrature of twice as many nodes each way says otherwise. Of the tables' own error it knows nothing.
 double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const SphericalHarmonics& radiance) {

@@ -20,89 +20,55 @@ const char* name(AerosolPhase phase) noexcept {
   return phase == AerosolPhase::cornette_shanks ? "cornette-shanks" : "henyey-greenstein";
 }
 
-Json layers_json(const std::vector<DensityLayer>& layers) {
-  return json_list(layers, [](const DensityLayer& layer) -> Json {
-    return {{"thickness_m", layer.thickness_m},
-            {"exponential_term", layer.exponential_term},
-            {"exponential_scale_per_m", layer.exponential_scale_per_m},
-            {"linear_term_per_m", layer.linear_term_per_m},
-            {"constant_term", layer.constant_term}};
-  });
-}
-
-Json constituent_json(const Constituent& constituent) {
-  return {{"density", layers_json(constituent.density)},
-          {"scattering_per_m", constituent.scattering_per_m},
-          {"absorption_per_m", constituent.absorption_per_m}};
-}
-
-Member layers(const char* name, std::vector<DensityLayer>& target) {
-  return {name, [&target](const Json& value, const std::string& where) {
-            target.clear();
-            read_list(value, where, [&](const Json& element, const std::string& at) {
-              DensityLayer& layer = target.emplace_back();
-              read_object(
-                  element, at,
-                  {number("thickness_m", layer.thickness_m), number("exponential_term", layer.exponential_term),
-                   number("exponential_scale_per_m", layer.exponential_scale_per_m),
-                   number("linear_term_per_m", layer.linear_term_per_m), number("constant_term", layer.constant_term)});
-            });
-          }};
-}
-
-void read_constituent(const Json& value, const std::string& where, Constituent& target) {
-  target = {};
-  read_object(value, where,
-              {layers("density", target.density), numbers("scattering_per_m", target.scattering_per_m),
-               numbers("absorption_per_m", target.absorption_per_m)});
+Member layer(const char* name, DensityLayer& target) {
+  return object(name, target,
+                {number("thickness_m", target.thickness_m), number("exponential_term", target.exponential_term),
+                 number("exponential_scale_per_m", target.exponential_scale_per_m),
+                 number("linear_term_per_m", target.linear_term_per_m), number("constant_term", target.constant_term)});
 }
 
 Member constituent(const char* name, Constituent& target) {
-  return {name, [&target](const Json& value, const std::string& where) { read_constituent(value, where, target); }};
+  return object(name, target,
+                {list("density", target.density, layer), numbers("scattering_per_m", target.scattering_per_m),
+                 numbers("absorption_per_m", target.absorption_per_m)});
 }
 
-void read_phase(const Json& value, const std::string& where, AerosolPhase& target) {
-  for (const AerosolPhase phase : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
-    if (value.is_text() && value.text() == name(phase)) {
-      target = phase;
+Member phase(const char* member, AerosolPhase& target) {
+  const auto read = [&target](const Json& value, const std::string& where) {
+    for (const AerosolPhase known : {AerosolPhase::cornette_shanks, AerosolPhase::henyey_greenstein}) {
+      if (!value.is_text() || value.text() != name(known)) continue;
+      target = known;
       return;
     }
-  }
-  throw Flaw{where + R"( is neither "cornette-shanks" nor "henyey-greenstein")"};
+    throw Flaw{where + R"( is neither "cornette-shanks" nor "henyey-greenstein")"};
+  };
+  return {member, read, [&target] { return name(target); }};
 }
 
-Atmosphere atmosphere_of(const Json& json) {
-  Atmosphere air;
-  read_object(json, "the atmosphere",
-              {text("name", air.name),
-               numbers("wavelengths_nm", air.wavelengths_nm),
-               number("bottom_radius_m", air.bottom_radius_m),
-               number("top_radius_m", air.top_radius_m),
-               constituent("rayleigh", air.rayleigh),
-               constituent("aerosol", air.aerosol),
-               {"aerosol_phase",
-                [&](const Json& value, const std::string& where) { read_phase(value, where, air.aerosol_phase); }},
-               number("aerosol_asymmetry", air.aerosol_asymmetry),
-               numbers("aerosol_asymmetries", air.aerosol_asymmetries),
-               {"absorbers",
-                [&](const Json& value, const std::string& where) {
-                  air.absorbers.clear();
-                  read_list(value, where, [&](const Json& element, const std::string& at) {
-                    read_constituent(element, at, air.absorbers.emplace_back());
-                  });
-                }},
-               numbers("ground_albedo", air.ground_albedo),
-               numbers("solar_irradiance", air.solar_irradiance),
-               number("sun_angular_radius_degrees", air.sun_angular_radius_degrees),
-               number("night_zenith_luminance", air.night_zenith_luminance)});
-  return air;
+std::vector<Member> members_of(Atmosphere& air) {
+  return {text("name", air.name),
+          numbers("wavelengths_nm", air.wavelengths_nm),
+          number("bottom_radius_m", air.bottom_radius_m),
+          number("top_radius_m", air.top_radius_m),
+          constituent("rayleigh", air.rayleigh),
+          constituent("aerosol", air.aerosol),
+          phase("aerosol_phase", air.aerosol_phase),
+          number("aerosol_asymmetry", air.aerosol_asymmetry),
+          numbers("aerosol_asymmetries", air.aerosol_asymmetries),
+          list("absorbers", air.absorbers, constituent),
+          numbers("ground_albedo", air.ground_albedo),
+          numbers("solar_irradiance", air.solar_irradiance),
+          number("sun_angular_radius_degrees", air.sun_angular_radius_degrees),
+          number("night_zenith_luminance", air.night_zenith_luminance)};
 }
 
 /// As `chosen_atmosphere` says.
 Atmosphere read_atmosphere(const std::filesystem::path& path) {
   constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
   try {
-    Atmosphere atmosphere = atmosphere_of(read_json_file(path, kOneToBeginWith, kMaxJsonBytes, Pipes::read));
+    Atmosphere atmosphere;
+    read_object(read_json_file(path, kOneToBeginWith, kMaxJsonBytes, Pipes::read), "the atmosphere",
+                members_of(atmosphere));
     check(atmosphere);
     return atmosphere;
   } catch (const Flaw& flaw) {
@@ -115,22 +81,7 @@ Atmosphere read_atmosphere(const std::filesystem::path& path) {
 
 }  // namespace
 
-Json atmosphere_json(const Atmosphere& atmosphere) {
-  return {{"name", atmosphere.name},
-          {"wavelengths_nm", atmosphere.wavelengths_nm},
-          {"bottom_radius_m", atmosphere.bottom_radius_m},
-          {"top_radius_m", atmosphere.top_radius_m},
-          {"rayleigh", constituent_json(atmosphere.rayleigh)},
-          {"aerosol", constituent_json(atmosphere.aerosol)},
-          {"aerosol_phase", name(atmosphere.aerosol_phase)},
-          {"aerosol_asymmetry", atmosphere.aerosol_asymmetry},
-          {"aerosol_asymmetries", atmosphere.aerosol_asymmetries},
-          {"absorbers", json_list(atmosphere.absorbers, constituent_json)},
-          {"ground_albedo", atmosphere.ground_albedo},
-          {"solar_irradiance", atmosphere.solar_irradiance},
-          {"sun_angular_radius_degrees", atmosphere.sun_angular_radius_degrees},
-          {"night_zenith_luminance", atmosphere.night_zenith_luminance}};
-}
+Json atmosphere_json(Atmosphere atmosphere) { return json_object(members_of(atmosphere)); }
 
 namespace {
 

@@ -44,7 +44,7 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice);
 [[nodiscard]] const char* name(SkyColour colour) noexcept;
 
 /// Every member, with every digit: read again by --atmosphere it is the same.
-[[nodiscard]] Json atmosphere_json(const Atmosphere& atmosphere);
+[[nodiscard]] Json atmosphere_json(Atmosphere atmosphere);
 
 /// A sun by date and place.
 struct DatedSun {
