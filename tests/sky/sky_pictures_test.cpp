@@ -3,8 +3,6 @@
 
 #include "float_environment/modes.h"
 #include "image/geometry.h"
-#include "reference/path_tracer.h"
-#include "reference/sky_reference.h"
 #include "sky/sky_tables_for_tests.h"
 #include "support/catch.h"
 #include "support/heap.h"
