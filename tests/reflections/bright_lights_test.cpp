@@ -79,7 +79,7 @@ Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflection
   std::array<float*, 6> faces{};
   for (std::size_t face = 0; face < 6; ++face) faces[face] = pixels.data() + face * face_floats;
   lights.add(blurred, size, faces, {});
-  const std::vector<glm::dvec3> all = centres(size);
+  const std::vector<glm::dvec3> all = texel_centres(size);
   const auto largest = static_cast<double>(*std::ranges::max_element(pixels));
   Off off;
   double squares = 0.0;

@@ -54,7 +54,7 @@ class LampRoom {
       if (mip.method == MipMethod::copy) continue;
       CAPTURE(width_, height_, options.size, lamps_.front().texel, lamps_.front().light, mip.roughness);
       if (lamps_.front().light > 1e5F) CHECK(mip.bright_texels >= 1);
-      const std::vector<glm::dvec3> all = centres(mip.size);
+      const std::vector<glm::dvec3> all = texel_centres(mip.size);
       double worst = 0.0;
       double squares = 0.0;
       double whole = 0.0;
@@ -188,7 +188,7 @@ TEST_CASE("Sheen and diffuse light of lamps with large texels are within the bou
         cubemap ? prefilter_by_lobes(cube.view(), options) : prefilter_by_lobes(lat_long.view(), options);
     for (std::size_t level = 0; level < 2; ++level) {
       constexpr std::size_t step = 23;
-      const std::vector<glm::dvec3> some = every(step, centres(8 >> level));
+      const std::vector<glm::dvec3> some = every(step, texel_centres(8 >> level));
       const auto truth = cubemap ? reference_by_lobe(cube.view(), options.lobes[level], some)
                                  : reference_by_lobe(lat_long.view(), options.lobes[level], some);
       const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
