@@ -197,11 +197,9 @@ void add_result_cache();
 
 /// The tables of docs/maths/sky.md, as Markdown: errors of precomputed skies against the truth in double. Options
 /// choose:
-/// "--radiance" (single scattering by table size and sun), "--orders" (orders 2 to 4 as harmonics against path
-/// tracing), "--methods" (nine coefficients of singly scattered light by every method and sun, against the truth and
-/// the converged integral, and lines of tabs for scripts/plot-sky-errors); none: all. "--directions=N" (400),
-/// "--paths=N" (4000000),
-/// "--altitude=METRES" (0).
+/// "--radiance" (single scattering by table size and sun), "--methods" (nine coefficients of singly scattered light by
+/// every method and sun, against the truth and the converged integral, and lines of tabs for scripts/plot-sky-errors);
+/// none: both. "--directions=N" (400), "--altitude=METRES" (0).
 [[nodiscard]] std::string sky_error_tables(const Paths& options);
 
 /// Harmonics/product-1000|rotate-1000|evaluate-1000|evaluate-one-by-one-1000|sky-curve-1000/<bands>/1.

@@ -4,7 +4,6 @@
 
 #include "perf.h"
 #include "perf/report/passes.h"
-#include "reference/path_tracer.h"
 #include "reference/sky_reference.h"
 #include "sky/table_sizes.h"
 #include "welkin/bake.h"
@@ -54,7 +53,6 @@ constexpr double kLastPromised = -6.0;
 
 struct Settings {
   int directions;
-  std::int64_t paths;
   double altitude;
 };
 
@@ -144,44 +142,6 @@ std::string radiance_table(const Settings& settings) {
 /// By so many directions that no error of the integral is left.
 SkyProjector converged(const SkyView& view) { return SkyProjector(view, {3, SkyQuadrature::gauss_split, 128, 128}); }
 
-double norm(std::span<const glm::dvec3> values) {
-  double sum = 0.0;
-  for (const glm::dvec3& value : values) sum += glm::dot(value, value);
-  return std::sqrt(sum);
-}
-
-/// Orders 2 to 4 alone: tables of four orders less those of one. Black ground, so that an order is an order: what a
-/// ray sees of lit ground counts one more.
-std::string orders_table(const Settings& settings) {
-  const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);
-  const SkyProjector single = converged(SkyView(tables_of(air, {}, 1), settings.altitude));
-  const SkyProjector all = converged(SkyView(tables_of(air, {}, 4), settings.altitude));
-  Table table({"sun elevation", "error", "standard error", "error of all light", "share"});
-  for (const double elevation : kElevations) {
-    const glm::dvec3 sun = sun_direction(elevation, 0.0);
-    const SphericalHarmonics first = single.project(sun);
-    const SphericalHarmonics sum = all.project(sun);
-    const TracedHarmonics light = trace_sky_harmonics(
-        air, settings.altitude, sun, 3, {.lowest_order = 2, .highest_order = 4, .paths = settings.paths, .seed = 5});
-    std::vector<glm::dvec3> truth(sum.coefficients().size());
-    std::vector<glm::dvec3> uncertain(truth.size());
-    std::vector<glm::dvec3> wrong(truth.size());
-    for (std::size_t c = 0; c < truth.size(); ++c) {
-      truth[c] = {light.radiance[0][c], light.radiance[1][c], light.radiance[2][c]};
-      uncertain[c] = {light.standard_error[0][c], light.standard_error[1][c], light.standard_error[2][c]};
-      wrong[c] = sum.coefficients()[c] - first.coefficients()[c] - truth[c];
-    }
-    table.add({number("%g", elevation), number("%.1e", norm(wrong) / norm(truth)),
-               number("%.1e", norm(uncertain) / norm(truth)), number("%.1e", norm(wrong) / norm(sum.coefficients())),
-               number("%.2f", norm(truth) / norm(sum.coefficients()))});
-  }
-  return "Nine coefficients of orders 2 to 4 of the default tables against path tracing (" +
-         std::to_string(settings.paths) + " paths), " + air.name + ", black ground, at " +
-         number("%g", settings.altitude) +
-         " m: |c - c*| / |c*|, the path tracer's own standard error likewise, and the orders' share of all light.\n\n" +
-         table.text();
-}
-
 std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
   std::vector<std::string> heads{"sun elevation"};
   for (const SkyMethod& method : methods) heads.push_back(method.name + ' ' + method.setting);
@@ -244,12 +204,10 @@ std::string methods_table(const Settings& settings) {
 }  // namespace
 
 std::string sky_error_tables(const Paths& words) {
-  const Arguments arguments(words, {"--radiance", "--orders", "--methods", "--directions", "--paths", "--altitude"});
-  const Settings settings{arguments.count("--directions", 400),
-                          static_cast<std::int64_t>(arguments.value("--paths", 4e6)),
-                          arguments.value("--altitude", 0.0)};
-  const std::pair<const char*, std::string (*)(const Settings&)> sections[] = {
-      {"--radiance", radiance_table}, {"--orders", orders_table}, {"--methods", methods_table}};
+  const Arguments arguments(words, {"--radiance", "--methods", "--directions", "--altitude"});
+  const Settings settings{arguments.count("--directions", 400), arguments.value("--altitude", 0.0)};
+  const std::pair<const char*, std::string (*)(const Settings&)> sections[] = {{"--radiance", radiance_table},
+                                                                               {"--methods", methods_table}};
   const bool all = std::none_of(std::begin(sections), std::end(sections),
                                 [&](const auto& section) { return arguments.has(section.first); });
   std::string text;

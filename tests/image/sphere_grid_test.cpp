@@ -23,19 +23,35 @@ namespace {
 using image::GridContent;
 using image::SphereGrid;
 
-/// The uniform cubic B-spline's weights at the knots and half way between: 1/6 4/6 1/6 and 1/48 23/48 23/48 1/48.
-double spline_at(const SphereGrid& grid, int column, int ring, bool half_column, bool half_ring, int channel) {
-  const double knot[4] = {0.0, 1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0};
-  const double middle[4] = {1.0 / 48.0, 23.0 / 48.0, 23.0 / 48.0, 1.0 / 48.0};
-  double sum = 0.0;
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      const double weight = (half_column ? middle : knot)[i] * (half_ring ? middle : knot)[j];
-      if (weight == 0.0) continue;
-      // Half a texel on, texels -1, 0, 1, 2 meet; at a texel's centre -1, 0, 1 (weights 1 to 3).
-      const int x = column + (half_column ? i - 1 : i - 2);
-      const int y = ring + (half_ring ? j - 1 : j - 2);
-      sum += weight * static_cast<double>(grid.texel(x, y)[channel]);
+/// The uniform cubic B-spline.
+double cubic_weight(double distance) {
+  const double x = std::abs(distance);
+  if (x >= 2.0) return 0.0;
+  return x >= 1.0 ? (2 - x) * (2 - x) * (2 - x) / 6 : (4 - 6 * x * x + 3 * x * x * x) / 6;
+}
+
+/// The spline, or the bilinear interpolation, at a place in columns and rings, whole numbers at texels' centres: all in
+/// double, without the border.
+glm::dvec3 value_at(const SphereGrid& grid, double x, double y) {
+  const bool cubic = grid.content() == GridContent::spline_coefficients;
+  const int columns = grid.columns();
+  const int rings = grid.rings();
+  glm::dvec3 sum(0.0);
+  for (int ring = static_cast<int>(std::floor(y)) - 1; ring <= std::floor(y) + 2; ++ring) {
+    for (int column = static_cast<int>(std::floor(x)) - 1; column <= std::floor(x) + 2; ++column) {
+      const auto weight = [&](double distance) {
+        return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
+      };
+      // Over the poles, half a turn on; with two rings over both.
+      int at_ring = ring;
+      int at_column = column;
+      while (at_ring < 0 || at_ring >= rings) {
+        at_ring = at_ring < 0 ? -1 - at_ring : 2 * rings - 1 - at_ring;
+        at_column += columns / 2;
+      }
+      at_column = (at_column % columns + columns) % columns;
+      const float* texel = grid.texel(at_column, at_ring);
+      sum += weight(x - column) * weight(y - ring) * glm::dvec3(texel[0], texel[1], texel[2]);
     }
   }
   return sum;
@@ -94,10 +110,11 @@ TEST_CASE("Spline coefficients give back the samples", "[specular][transform][gr
       double error = 0.0;
       for (int ring = 0; ring < rings; ++ring) {
         for (int column = 0; column < columns; ++column) {
+          const glm::dvec3 found = value_at(spline, column, ring);
           for (int c = 0; c < 3; ++c) {
             const double sample = samples.texel(column, ring)[c];
             most = std::max(most, std::abs(sample));
-            error = std::max(error, std::abs(spline_at(spline, column, ring, false, false, c) - sample));
+            error = std::max(error, std::abs(found[c] - sample));
           }
         }
       }
@@ -126,7 +143,7 @@ TEST_CASE("Between its texels the spline is as near as it is said to be", "[spec
       const double theta = std::numbers::pi * (ring + 1.0) / size.rings;
       const double longitude = std::numbers::pi - 2.0 * std::numbers::pi * (column + 1.0) / size.columns;
       const double truth = direct_value(c, zonal, 0, theta, longitude);
-      const double error = spline_at(spline, column, ring, true, true, 0) - truth;
+      const double error = value_at(spline, column + 0.5, ring + 0.5).x - truth;
       squares += truth * truth;
       errors += error * error;
     }
@@ -190,38 +207,10 @@ std::vector<glm::dvec3> texels_of(const Cubemap& map) {
   return texels;
 }
 
-double cubic_weight(double distance) {
-  const double x = std::abs(distance);
-  if (x >= 2.0) return 0.0;
-  return x >= 1.0 ? (2 - x) * (2 - x) * (2 - x) / 6 : (4 - 6 * x * x + 3 * x * x * x) / 6;
-}
-
-/// The spline, or the bilinear interpolation, at a direction: libm's angles, all in double, without the border.
+/// The same at a direction: libm's angles.
 glm::dvec3 value_at(const SphereGrid& grid, const glm::dvec3& to) {
-  const bool cubic = grid.content() == GridContent::spline_coefficients;
-  const int columns = grid.columns();
-  const int rings = grid.rings();
-  const double x = (0.5 - std::atan2(to.x, to.z) / (2.0 * kPi)) * columns - 0.5;
-  const double y = std::atan2(std::hypot(to.x, to.z), to.y) / kPi * rings - 0.5;
-  glm::dvec3 sum(0.0);
-  for (int ring = static_cast<int>(std::floor(y)) - 1; ring <= std::floor(y) + 2; ++ring) {
-    for (int column = static_cast<int>(std::floor(x)) - 1; column <= std::floor(x) + 2; ++column) {
-      const auto weight = [&](double distance) {
-        return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
-      };
-      // Over the poles, half a turn on; with two rings over both.
-      int at_ring = ring;
-      int at_column = column;
-      while (at_ring < 0 || at_ring >= rings) {
-        at_ring = at_ring < 0 ? -1 - at_ring : 2 * rings - 1 - at_ring;
-        at_column += columns / 2;
-      }
-      at_column = (at_column % columns + columns) % columns;
-      const float* texel = grid.texel(at_column, at_ring);
-      sum += weight(x - column) * weight(y - ring) * glm::dvec3(texel[0], texel[1], texel[2]);
-    }
-  }
-  return sum;
+  return value_at(grid, (0.5 - std::atan2(to.x, to.z) / (2.0 * kPi)) * grid.columns() - 0.5,
+                  std::atan2(std::hypot(to.x, to.z), to.y) / kPi * grid.rings() - 0.5);
 }
 
 double worst_component(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }

@@ -14,8 +14,6 @@
 namespace welkin::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 dvec3 grey(std::size_t probe, const dvec3& direction) {
   return dvec3(1.0 + 0.25 * static_cast<double>(probe % 7) + 0.5 * direction.y, 1.0, 1.0 + 0.5 * direction.x);
 }
@@ -390,16 +388,6 @@ TEST_CASE("probes: a window takes ringing away, and takes each probe alone", "[p
   CHECK(wanted.minimum_before.x < -1.0);
   CHECK(same_bytes<dvec3>(wanted.radiance.coefficients(), std::span(calm.coefficients).subspan(9, 9)));
   CHECK(thrown_by([&] { static_cast<void>(windowed(probes, Window::hanning, -1.0)); }).says("probe 0"));
-}
-
-TEST_CASE("probes: a uniform environment has one coefficient, and pi times itself as irradiance", "[probes]") {
-  const ProbeGrid grid{.counts = {2, 2, 2}};
-  const Captures captures(8, 3, [](std::size_t, const dvec3&) { return dvec3(0.5, 1.0, 2.0); });
-  const BakedProbes probes = bake_probes(grid, captures.cubes);
-  CHECK(probes.coefficients[0].z == Approx(2.0 * std::sqrt(4.0 * kPi)));
-  const dvec3 light = probe_irradiance(probes, {0.3, 0.4, 0.9}, glm::normalize(dvec3(1, -2, 0.5)));
-  CHECK(light.x == Approx(0.5 * kPi).epsilon(1e-6));
-  CHECK(light.z == Approx(2.0 * kPi).epsilon(1e-6));
 }
 
 }  // namespace welkin::test

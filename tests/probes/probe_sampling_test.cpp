@@ -263,7 +263,7 @@ BakedProbes baked_out_of_walls(const Room& room, const ProbeGrid& grid) {
     std::vector<DepthView> depths;
     for (std::size_t k = 0; k < grid.size(); ++k) {
       const ProbeGrid one{.origin = grid.position(k) + offsets[k], .spacing = grid.spacing};
-      captures.push_back(room.capture(one, 12, call < 4 ? 0 : 4, Followed::reflected));
+      captures.push_back(room.capture(one, 12, call < 4 ? 0 : 4));
       cubes.push_back(captures.back().cubes[0]);
       depths.push_back(captures.back().depths[0]);
     }
@@ -281,7 +281,7 @@ BakedProbes baked_out_of_walls(const Room& room, const ProbeGrid& grid) {
 TEST_CASE("probes in a room: each weight brings the light nearer to that of paths", "[probes][slow]") {
   const Room room;
   const ProbeGrid grid = Room::grid();
-  const Captures captures = room.capture(grid, 12, 4, Followed::reflected);
+  const Captures captures = room.capture(grid, 12, 4);
   const BakedProbes raw = captures.bake(grid, {.dilation_passes = 0});
   const BakedProbes probes = captures.bake(grid);
 
@@ -301,8 +301,7 @@ TEST_CASE("probes in a room: each weight brings the light nearer to that of path
   const std::vector<Surface> places = surfaces();
   std::vector<dvec3> wanted;
   for (std::size_t k = 0; k < places.size(); ++k) {
-    wanted.push_back(
-        room.irradiance(places[k].place, places[k].normal, 256, static_cast<std::uint32_t>(k), Followed::reflected));
+    wanted.push_back(room.irradiance(places[k].place, places[k].normal, 256, static_cast<std::uint32_t>(k)));
   }
   const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.0};
   const double dark = error_of(raw, places, wanted, plain);

@@ -101,7 +101,7 @@ dvec3 Room::direct(const dvec3& place, const dvec3& normal, std::uint32_t& state
   return kLightRadiance * (cosine * at_light * area / square);
 }
 
-dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, Followed followed) const {
+dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed) const {
   std::uint32_t state = mixed(seed);
   dvec3 sum(0.0);
   dvec3 share(1.0);
@@ -109,11 +109,7 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   dvec3 way = direction;
   for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
     const Hit hit = trace(place, way);
-    if (hit.is_light) {
-      if (bounce == 0 && followed != Followed::reflected) sum += kLightRadiance;  // later each surface looks for it
-      break;
-    }
-    if (hit.is_back || hit.distance == kInfinity || followed == Followed::sent) break;
+    if (hit.is_light || hit.is_back || hit.distance == kInfinity) break;  // each surface looks for the light
     place = hit.place + kAway * hit.normal;
     share *= hit.albedo;
     sum += share * direct(place, hit.normal, state) / kPi;
@@ -122,21 +118,19 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   return sum;
 }
 
-dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
-                       Followed followed) const {
+dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed) const {
   dvec3 sum(0.0);
   std::uint32_t state = mixed(seed);
   const dvec3 above = place + kAway * normal;
   for (int path = 0; path < paths; ++path) {
     const dvec3 way = cosine_direction(normal, state);
     state = mixed(state);
-    if (followed != Followed::sent) sum += radiance(above, way, state, Followed::reflected);
-    if (followed != Followed::reflected) sum += direct(above, normal, state) / kPi;
+    sum += radiance(above, way, state);
   }
   return sum * (kPi / paths);
 }
 
-Captures Room::capture(const ProbeGrid& grid, int size, int paths, Followed followed) const {
+Captures Room::capture(const ProbeGrid& grid, int size, int paths) const {
   // Texels in the order in which `Captures` asks for them; each probe alone, so that threads can share them.
   std::vector<std::vector<dvec3>> colours(grid.size());
   std::atomic<std::size_t> next{0};
@@ -145,7 +139,7 @@ Captures Room::capture(const ProbeGrid& grid, int size, int paths, Followed foll
       std::uint32_t seed = mixed(static_cast<std::uint32_t>(k) + 77U);
       Captures::for_each_texel(size, [&](const dvec3& direction) {
         dvec3 sum(0.0);
-        for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++, followed);
+        for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++);
         colours[k].push_back(sum / static_cast<double>(std::max(1, paths)));
       });
     }

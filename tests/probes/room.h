@@ -9,13 +9,6 @@
 
 namespace welkin::test {
 
-/// Which light is followed.
-enum class Followed {
-  reflected,  ///< what surfaces reflect
-  sent,       ///< what the light sends itself
-  all,        ///< both
-};
-
 /// x from -2 to 2, y from 0 to 2, z from -1 to 1. A red wall on the left, a green one on the right, the others white. A
 /// light in the ceiling of the left half; a thin wall at x = 0 keeps it from the right half, but for a door at the
 /// front, z > 0.35. A block stands in the left half. Walls are a metre thick, as a probe in one sees.
@@ -34,15 +27,14 @@ class Room {
 
   [[nodiscard]] Hit trace(const dvec3& from, const dvec3& direction) const;
 
-  /// What comes back along a ray.
-  [[nodiscard]] dvec3 radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed, Followed followed) const;
+  /// What surfaces reflect back along a ray; the light itself is not seen.
+  [[nodiscard]] dvec3 radiance(const dvec3& from, const dvec3& direction, std::uint32_t seed) const;
 
-  /// Irradiance on a surface, from so many paths.
-  [[nodiscard]] dvec3 irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed,
-                                 Followed followed) const;
+  /// Irradiance of the same light on a surface, from so many paths.
+  [[nodiscard]] dvec3 irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed) const;
 
   /// Cubemaps and depths of all probes of a grid; each texel from so many paths through its middle, black from none.
-  [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths, Followed followed) const;
+  [[nodiscard]] Captures capture(const ProbeGrid& grid, int size, int paths) const;
 
   /// 6 x 6 x 6 probes whose outermost ones stand in the walls.
   [[nodiscard]] static ProbeGrid grid() {

@@ -249,7 +249,7 @@ TEST_CASE("Light that three bands hold has no error in three bands", "[sh][irrad
   }
 }
 
-TEST_CASE("A cubemap's errors are those of the lat-long of the same scene", "[sh][irradiance]") {
+TEST_CASE("A cubemap's errors fall from band to band but the fourth, whose factor is 0", "[sh][irradiance]") {
   const TestCubemap cubemap = make_cubemap(Content::sun_disc, 64, 3, 5);
   const auto errors = irradiance_errors(cubemap.view(), project(cubemap.view(), {.bands = 7}).radiance, 200);
   for (std::size_t k = 1; k < errors.size(); ++k) CHECK(errors[k].rms <= errors[k - 1].rms * (1.0 + 1e-9));

@@ -106,25 +106,6 @@ TEST_CASE("A replaced NaN counts as black", "[sh][policy]") {
   }
 }
 
-TEST_CASE("A replaced infinity counts as the clamp's maximum, or the largest half", "[sh][policy]") {
-  for (const int size : kSizes) {
-    for (const bool clamped : {false, true}) {
-      TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);
-      TestCubemap finite = cubemap;
-      channel(cubemap, 2, size / 2, 0, 0) = kInfinity;
-      channel(finite, 2, size / 2, 0, 0) = clamped ? 100.0F : 65504.0F;
-      channel(cubemap, 4, 0, size / 2, 2) = -kInfinity;
-      channel(finite, 4, 0, size / 2, 2) = 0.0F;
-      ProjectionOptions options;
-      if (clamped) options.pixels.clamp = RadianceClamp{100.0F, false};
-      const Projection found = project(cubemap.view(), options);
-      CHECK(found.diagnostics.infinities_replaced == 2);
-      CHECK(found.diagnostics.nans_replaced == 0);
-      CHECK(relative_error(found.radiance, project(finite.view(), options).radiance) < 3e-7);
-    }
-  }
-}
-
 TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy][truth]") {
   for (const int size : kSizes) {
     TestCubemap cubemap = make_cubemap(Content::random, size, 3, 1);

@@ -104,7 +104,7 @@ void PathShells::add_shells(double low, double high, int depth) {
 
 void PathShells::add_shell(double low, double high) {
   bounds_.push_back(low);
-  majorants_.push_back(densest(low, high, false) * (1.0 + 1e-12));
+  densest_.push_back(densest(low, high, false));
   layers_.emplace_back();
   const std::span<const ReferenceAir::Matter> matter = air_.matter();
   for (std::size_t k = 0; k < matter.size(); ++k) {
@@ -142,7 +142,7 @@ PathShells::Columns PathShells::columns(const AirRay& ray) const noexcept {
   Columns sum{};
   double from = 0.0;
   for (ShellWalk walk(*this, ray);; walk.next()) {
-    if (walk.end() > from && majorants_[walk.shell()] > 0.0) {
+    if (walk.end() > from && densest_[walk.shell()] > 0.0) {
       const Columns part = columns(ray, walk.shell(), from, walk.end());
       for (std::size_t k = 0; k < air_.matter().size(); ++k) sum[k] += part[k];
     }

@@ -1,4 +1,4 @@
-// Air cut into shells in which its extinction changes little: where light may collide, and how much of it gets through.
+// Air cut into shells in which its extinction changes little: how much of it lies along rays.
 #pragma once
 
 #include <array>
@@ -17,11 +17,9 @@ class PathShells {
 
   explicit PathShells(const ReferenceAir& air);
 
-  [[nodiscard]] std::size_t count() const noexcept { return majorants_.size(); }
+  [[nodiscard]] std::size_t count() const noexcept { return densest_.size(); }
   /// r^2 - R^2 of the lower bound of shell `i`, and of the top for i = count().
   [[nodiscard]] double square(std::size_t i) const noexcept { return squares_[i]; }
-  /// No extinction in shell `i`, at any wavelength, is above this: 1/m.
-  [[nodiscard]] double majorant(std::size_t i) const noexcept { return majorants_[i]; }
   /// The shell that r^2 - R^2 lies in.
   [[nodiscard]] std::size_t find(double square) const noexcept;
   /// Densities of all matter at a point of shell `i`.
@@ -42,7 +40,7 @@ class PathShells {
   const ReferenceAir& air_;
   std::vector<double> bounds_;
   std::vector<double> squares_;
-  std::vector<double> majorants_;
+  std::vector<double> densest_;  ///< no extinction in a shell is above its own, 1/m
   std::vector<std::array<const DensityLayer*, ReferenceAir::kMaxConstituents>> layers_;
 };
 

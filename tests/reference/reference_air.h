@@ -42,8 +42,6 @@ class ReferenceAir {
   [[nodiscard]] std::size_t wavelengths() const noexcept { return atmosphere_.wavelengths_nm.size(); }
   [[nodiscard]] double radius() const noexcept { return atmosphere_.bottom_radius_m; }
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
-  /// Altitudes between which all densities are smooth and change by no more than some powers of e^10, rising.
-  [[nodiscard]] std::span<const double> altitudes() const noexcept { return altitudes_; }
 
   /// r^2 - R^2 and back.
   [[nodiscard]] double square_of(double altitude) const noexcept { return altitude * (2.0 * radius() + altitude); }
@@ -57,7 +55,7 @@ class ReferenceAir {
   /// From a point in the air to the top; no ground is in the way.
   [[nodiscard]] AirRay ray_to_top(double square, double slope) const noexcept;
 
-  /// Places along a ray where it passes `altitudes()` or its own lowest point, and its two ends, rising.
+  /// Places along a ray where it passes `altitudes_` or its own lowest point, and its two ends, rising.
   [[nodiscard]] std::vector<double> ends(const AirRay& ray) const;
 
   /// Matter along [from, to] of a ray, which `ends` (its own) cut into smooth pieces.
@@ -90,6 +88,7 @@ class ReferenceAir {
   double sun_radius_;  ///< radians
   double drawn_asymmetry_;
   std::vector<Matter> matter_;
+  /// Between them all densities are smooth and change by no more than some powers of e^10; rising.
   std::vector<double> altitudes_;
 };
 

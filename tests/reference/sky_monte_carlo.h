@@ -2,14 +2,21 @@
 // backward Monte Carlo in spherical shells that looks for the sun along whole rays, with its noise.
 #pragma once
 
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "reference/path_tracer.h"
 #include "welkin/core.h"
 #include "welkin/sky.h"
 
 namespace welkin {
+
+struct PathTracingOptions {
+  int lowest_order = 2;            ///< scatterings and ground reflections together: 1 is singly scattered light
+  int highest_order = 4;           ///< at least `lowest_order`
+  std::int64_t paths = 1'000'000;  ///< at least 2
+  std::uint64_t seed = 1;
+};
 
 /// An estimate at each wavelength with its standard error, from how the means of 64 or more parts of the paths differ.
 struct TracedLight {

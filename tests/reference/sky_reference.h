@@ -1,5 +1,5 @@
 // The truth that fast skies are measured against: slow, in double, by other routes than the tables. The model is that
-// of all skies, as welkin/sky.h states it; light scattered more than once is in path_tracer.h.
+// of all skies, as welkin/sky.h states it; light scattered more than once is in sky_monte_carlo.h.
 #pragma once
 
 #include <glm/vec3.hpp>

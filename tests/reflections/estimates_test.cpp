@@ -106,7 +106,7 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
       CAPTURE(size, roughness);
       CHECK_FALSE(names_dark(image, roughness));
     }
-    const std::vector<glm::dvec3> positions = centres(size);  // a sky of 1 over a ground of 1e-7
+    const std::vector<glm::dvec3> positions = texel_centres(size);  // a sky of 1 over a ground of 1e-7
     for (std::size_t k = 0; k < 3 * positions.size(); ++k) image.pixels()[k] = positions[k / 3].y > 0.0 ? 1.0F : 1e-7F;
     CHECK(names_dark(image, 0.3));
   }

@@ -59,7 +59,7 @@ template <class Wanted>
 Truths truths_where(const EnvironmentView& view, double roughness, int size, const Wanted& wanted) {
   Truths truths;
   std::vector<glm::dvec3> directions;
-  const std::vector<glm::dvec3> all = centres(size);
+  const std::vector<glm::dvec3> all = texel_centres(size);
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (!wanted(k, all[k])) continue;
     truths.texels.push_back(k);
@@ -132,7 +132,7 @@ TEST_CASE("Narrow lobes keep the bounds", "[specular][prefilter][narrow][truth]"
 TEST_CASE("Narrow lobes see a pole's triangles from some rows away", "[specular][prefilter][narrow]") {
   const LatLongImage image = lit_pole(256);
   const PrefilteredSpecular result = prefilter_specular(image.view(), {.size = 16, .mips = 1, .roughness = {0.05}});
-  const std::vector<glm::dvec3> all = centres(16);
+  const std::vector<glm::dvec3> all = texel_centres(16);
   const std::size_t beside = 2 * 256 + 7 * 16 + 7;  // of face +y
   const glm::dvec3 truth = reference_specular(image.view(), 0.05, {all[beside]}).front();
   REQUIRE(truth.x > 10.0);

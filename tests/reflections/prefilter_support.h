@@ -1,28 +1,16 @@
 // What the prefilter's tests share.
 #pragma once
 
-#include "image/geometry.h"
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/pictures.h"
 #include "support/same_bits.h"
 #include "welkin/image.h"
 #include "welkin/reflections.h"
 
 namespace welkin::test {
 
-/// Directions of the centres of all texels of a level.
-inline std::vector<glm::dvec3> centres(int size) {
-  std::vector<glm::dvec3> directions;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column)
-        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
-    }
-  }
-  return directions;
-}
-
-/// Every `step`-th of them, from the first on.
+/// Every `step`-th of them all, from the first on.
 inline std::vector<glm::dvec3> every(std::size_t step, const std::vector<glm::dvec3>& all) {
   std::vector<glm::dvec3> some;
   for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
@@ -74,7 +62,7 @@ inline double largest_deviation(const Cubemap& chain, int level, const std::vect
 inline LevelError error_of_mip(const EnvironmentView& view, const PrefilteredSpecular& result, std::size_t level,
                                std::size_t step = 1) {
   const MipRecord& mip = result.mips[level];
-  const auto truth = reference_specular(view, mip.roughness, every(step, centres(mip.size)));
+  const auto truth = reference_specular(view, mip.roughness, every(step, texel_centres(mip.size)));
   return level_error(result.cubemap, static_cast<int>(level), truth, step);
 }
 

@@ -8,7 +8,6 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
-#include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -20,12 +19,8 @@ namespace {
 
 /// A sky of radiance 1 over a ground.
 Cubemap sky_over_dark_ground(int size, float ground) {
-  Cubemap image = grey_cubemap(size, ground);
-  const image::TexelGrid grid = image::TexelGrid::cubemap(size);
-  for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
-    if (grid.direction(texel).y > 0.0) std::fill_n(image.pixels().begin() + 3 * texel, 3, 1.0F);
-  }
-  return image;
+  return cubemap_of(size,
+                    [=](const glm::dvec3& d) { return glm::dvec3(d.y > 0.0 ? 1.0 : static_cast<double>(ground)); });
 }
 
 void check_chain(const CubemapView& view, const PrefilterOptions& options, std::size_t step) {
@@ -134,9 +129,7 @@ TEST_CASE("halved faces have the same bits with every instruction set", "[prefil
 namespace {
 
 Cubemap picture(int size, const std::function<float(const glm::dvec3&)>& light) {
-  std::vector<float> pixels;
-  for (const glm::dvec3& direction : centres(size)) pixels.insert(pixels.end(), 3, light(direction));
-  return {size, pixels};
+  return cubemap_of(size, [&](const glm::dvec3& d) { return glm::dvec3(static_cast<double>(light(d))); });
 }
 
 /// Rings of latitude of one frequency.

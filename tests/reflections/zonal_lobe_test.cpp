@@ -25,7 +25,7 @@ void check_kernels(const EnvironmentView& view, const std::vector<ZonalLobe>& ke
   const PrefilteredSpecular result = prefilter_by_lobes(view, {.size = size, .lobes = kernels});
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
     const std::size_t step = step_for(result.mips[level].size, probes);
-    const auto truth = reference_by_lobe(view, kernels[level], every(step, centres(result.mips[level].size)));
+    const auto truth = reference_by_lobe(view, kernels[level], every(step, texel_centres(result.mips[level].size)));
     const LevelError error = level_error(result.cubemap, static_cast<int>(level), truth, step);
     CAPTURE(level, result.mips[level].bands, result.mips[level].bright_texels, error.rms, error.maximum,
             *result.mips[level].error_estimate);
@@ -99,7 +99,7 @@ TEST_CASE("A harmonic is multiplied by the kernel's own coefficient", "[zonal]")
   const PrefilteredSpecular result = prefilter_by_lobes(source.view(), {.size = 32, .lobes = kernels});
   for (std::size_t level = 0; level < kernels.size(); ++level) {
     const double factor = kernels[level].spectrum(3)[2];
-    const auto directions = centres(result.mips[level].size);
+    const auto directions = texel_centres(result.mips[level].size);
     for (std::size_t k = 0; k < directions.size(); ++k) {
       const double y = directions[k].y;
       const auto got = static_cast<double>(result.cubemap.face(static_cast<int>(level), 0)[3 * k]);
@@ -123,7 +123,7 @@ TEST_CASE("A spectrum that ends far above 0 is integrated to 1e-6, and its mips 
     // across the axis of a gradient every kernel leaves its mean
     CHECK(std::abs(reference_by_lobe(sky.view(), kernel, {{1.0, 0.0, 0.0}}).front().x - 1.0) < 1e-6);
     const PrefilteredSpecular result = prefilter_by_lobes(sky.view(), {.size = 8, .lobes = {kernel}});
-    const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(sky.view(), kernel, centres(8)));
+    const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(sky.view(), kernel, texel_centres(8)));
     CAPTURE(rows, error.rms, *result.mips[0].error_estimate);
     CHECK(error.rms <= *result.mips[0].error_estimate);
   }
@@ -293,7 +293,7 @@ TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
   const ZonalLobe kernel = ZonalLobe::charlie(0.6);
   const PrefilteredSpecular result =
       prefilter_by_lobes(source.view(), {.size = 3, .lobes = {kernel}, .method = PrefilterMethod::reference});
-  const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(source.view(), kernel, centres(3)));
+  const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(source.view(), kernel, texel_centres(3)));
   CHECK(error.maximum < 1e-6);
 }
 

@@ -143,22 +143,6 @@ TEST_CASE(
   }
 }
 
-// The oracle against one of another kind.
-TEST_CASE("sky Monte Carlo: its first order is the quadrature's", "[sky][twilight][truth]") {
-  for (const double elevation : {40.0, 0.0, -6.0}) {
-    const dvec3 sun = sun_direction(elevation, 0.0);
-    const dvec3 direction = sun_direction(20.0, 30.0);
-    const TracedLight traced = trace_sky_radiance(earth_bruneton(), 0.0, direction, sun,
-                                                  {.lowest_order = 1, .highest_order = 1, .paths = 40'000});
-    const std::vector<double> truth = reference_sky_radiance(earth_bruneton(), 0.0, direction, sun, {1e-5, true});
-    for (std::size_t c = 0; c < 3; ++c) {
-      CAPTURE(elevation, c, traced.value[c] / truth[c], traced.standard_error[c] / truth[c]);
-      CHECK(traced.standard_error[c] < 0.02 * truth[c]);
-      CHECK(std::abs(traced.value[c] - truth[c]) < 3.5 * traced.standard_error[c]);
-    }
-  }
-}
-
 TEST_CASE("brightness between suns falls as an exponential does, and swings nowhere", "[sky][twilight]") {
   std::vector<double> nodes;
   for (int k = 0; k < 9; ++k) nodes.push_back(std::exp(2.0 * k));

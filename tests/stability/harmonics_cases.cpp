@@ -13,6 +13,7 @@ namespace welkin::test::stability {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr glm::dvec3 kWhite(1.0);
 
 double number(std::uint32_t index) { return 2.0 * static_cast<double>(noise(77, index)) - 1.0; }
 
@@ -25,14 +26,6 @@ SphericalHarmonics random_light(int bands) {
   for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(bands * bands); ++k) {
     light.coefficients()[k] = {number(1000 + 3 * k), number(1001 + 3 * k), number(1002 + 3 * k)};
   }
-  return light;
-}
-
-SphericalHarmonics point_light(const glm::dvec3& from, int bands) {
-  SphericalHarmonics light(bands);
-  std::vector<double> basis(light.coefficients().size());
-  evaluate_basis(from, bands, basis);
-  for (std::size_t k = 0; k < basis.size(); ++k) light.coefficients()[k] = glm::dvec3(basis[k]);
   return light;
 }
 
@@ -53,8 +46,8 @@ double rotated_light_error(double angle, int bands) {
   for (std::uint32_t k = 0; k < 6; ++k) {
     const glm::dvec3 from = direction(k);
     const glm::dvec3 axis = k == 0 ? glm::dvec3(0, 1, 0) : direction(k + 50);
-    worst = worse(worst, relative_error(rotate(point_light(from, bands), rotate(axis, angle)),
-                                        point_light(rotate(from, axis, angle), bands)));
+    worst = worse(worst, relative_error(rotate(point_light(from, kWhite, bands), rotate(axis, angle)),
+                                        point_light(rotate(from, axis, angle), kWhite, bands)));
   }
   return worst;
 }
@@ -63,7 +56,7 @@ double rotated_light_error(double angle, int bands) {
 double tiny_change_error(double angle) {
   const glm::dvec3 from = direction(3);
   const glm::dvec3 axis = direction(60);
-  const SphericalHarmonics light = point_light(from, 2);
+  const SphericalHarmonics light = point_light(from, kWhite, 2);
   const SphericalHarmonics after = rotate(light, rotate(axis, angle));
   const double scale = std::sqrt(3.0 / (4.0 * kPi));
   const glm::dvec3 velocity = glm::cross(axis, from);
@@ -186,7 +179,9 @@ SphericalHarmonics gradient(double ratio, const glm::dvec3& towards) {
 }
 
 /// Of light from one place that no axis favours.
-SphericalHarmonics one_sided_light(int bands) { return point_light(glm::normalize(glm::dvec3(0.3, -0.8, 0.5)), bands); }
+SphericalHarmonics one_sided_light(int bands) {
+  return point_light(glm::normalize(glm::dvec3(0.3, -0.8, 0.5)), kWhite, bands);
+}
 
 /// The gradient's lambda in closed form: 1 / (1 + 4 lambda) = (1 + 1e-9) / ratio (the tolerance that is promised).
 double gradient_lambda_error(double ratio) {

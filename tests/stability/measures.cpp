@@ -1,8 +1,8 @@
 #include "stability/measures.h"
 
-#include "image/geometry.h"
 #include "reference/sky_reference.h"
 #include "standard_headers.h"
+#include "support/pictures.h"
 #include "support/small_skies.h"
 
 namespace welkin::test::stability {
@@ -52,21 +52,15 @@ LatLongImage checkerboard_lat_long(int width, int height, float amplitude) {
   return filled(grey_lat_long(width, height, 0.0F), [=](std::size_t k) { return board(k, width, amplitude); });
 }
 
-Cubemap upper_half_cube(int size) {
-  const auto edge = static_cast<std::size_t>(size);
-  return filled(grey_cubemap(size, 0.0F), [=](std::size_t k) {
-    const std::size_t texel = k / 3;
-    const std::size_t row = texel / edge % edge;
-    const auto face = static_cast<int>(texel / (edge * edge));
-    const auto column = static_cast<double>(texel % edge);
-    return image::face_direction(size, face, column + 0.5, static_cast<double>(row) + 0.5).y > 0.0 ? 1.0F : 0.0F;
-  });
-}
+namespace {
 
-LatLongImage upper_half_lat_long(int width, int height) {
-  const std::size_t half = 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height / 2);
-  return filled(grey_lat_long(width, height, 0.0F), [half](std::size_t k) { return k < half ? 1.0F : 0.0F; });
-}
+glm::dvec3 above_horizon(const glm::dvec3& direction) { return glm::dvec3(direction.y > 0.0 ? 1.0 : 0.0); }
+
+}  // namespace
+
+Cubemap upper_half_cube(int size) { return cubemap_of(size, above_horizon); }
+
+LatLongImage upper_half_lat_long(int width, int height) { return lat_long_of(width, height, above_horizon); }
 
 namespace {
 
@@ -133,18 +127,6 @@ double wrong_unless_thrown(ErrorCode code, const std::function<void()>& call) {
     return wrong_if(error.code() != code);
   }
   return 1.0;
-}
-
-std::vector<glm::dvec3> texel_directions(int size) {
-  std::vector<glm::dvec3> directions;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        directions.push_back(image::face_direction(size, face, column + 0.5, row + 0.5));
-      }
-    }
-  }
-  return directions;
 }
 
 std::vector<glm::dvec3> spread_directions(int count) {

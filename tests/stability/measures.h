@@ -65,9 +65,6 @@ template <class Image>
 /// 0 if `call` throws an `Error` of that code, else 1.
 [[nodiscard]] double wrong_unless_thrown(ErrorCode code, const std::function<void()>& call);
 
-/// Unit directions of all texels' centres of a cubemap, in the order of its memory.
-[[nodiscard]] std::vector<glm::dvec3> texel_directions(int size);
-
 /// Evenly over the sphere: a Fibonacci spiral.
 [[nodiscard]] std::vector<glm::dvec3> spread_directions(int count);
 

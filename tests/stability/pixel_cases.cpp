@@ -4,6 +4,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
+#include "support/pictures.h"
 #include "support/random_harmonics.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -155,7 +156,7 @@ Blurred blurred(const Image& source, double roughness) {
   PrefilterOptions options{.size = 8};
   options.roughness = {roughness};
   const std::vector<glm::dvec3> all = texels(prefilter_specular(source.view(), options).cubemap, 0);
-  const std::vector<glm::dvec3> all_directions = texel_directions(8);
+  const std::vector<glm::dvec3> all_directions = texel_centres(8);
   const auto brightest = std::max_element(all.begin(), all.end(), [](auto& a, auto& b) { return a.x < b.x; });
   std::vector<glm::dvec3> found{*brightest};
   std::vector<glm::dvec3> directions{all_directions[static_cast<std::size_t>(brightest - all.begin())]};

@@ -4,6 +4,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
+#include "support/pictures.h"
 #include "support/random_harmonics.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -326,7 +327,7 @@ double prefilter_error(int source, int size) {
   PrefilterOptions options{.size = size};
   options.roughness = {0.4};
   const PrefilteredSpecular found = prefilter_specular(map.view(), options);
-  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), 0.4, texel_directions(size)));
+  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), 0.4, texel_centres(size)));
 }
 
 /// A cube of one texel a face, to a lat-long and back.
@@ -371,7 +372,7 @@ double one_mip_error(double roughness) {
   options.roughness = {roughness};
   const PrefilteredSpecular found = prefilter_specular(map.view(), options);
   if (found.cubemap.levels() != 1) return 1e300;
-  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), roughness, texel_directions(8)));
+  return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), roughness, texel_centres(8)));
 }
 
 double one_mip_copy() {
