@@ -1,4 +1,4 @@
-// Filament's libs/ibl for `welkin report` (perf/report/filament_peer.cpp), which measures it beside Welkin at equal
+// Filament's libs/ibl for `welkin report` (perf/report/peers.cpp), which measures it beside Welkin at equal
 // inputs: specular chains, harmonics, the DFG table. One thread: Filament's JobSystem has the calling one alone. Times
 // are processor time, the least of several runs.
 //

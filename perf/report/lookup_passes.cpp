@@ -183,22 +183,14 @@ std::vector<Measurement> from_file(const PassContext& context) {
     if (chain.fitted) options.lobe_roughness = fitted_mip_roughness(chain.schedule, mips, size);
     for (const double bound : kBounds) {
       options.rms_error = bound;
-      Cubemap result;
-      const double seconds = context.stopwatch.seconds(
-          [&] { result = prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; });
-      const ErrorNorms errors = truth.errors(result, chain.schedule);
-      all.push_back({"", chain.method, words_of(mips, bound), errors.rms, errors.maximum, seconds, kTruth});
+      const auto call = [&] { return prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; };
+      all.push_back(measured(chain.method, words_of(mips, bound), context.stopwatch, kTruth, call,
+                             [&](const Cubemap& found) { return truth.errors(found, chain.schedule); }));
     }
   }
   progress(context, 2, 3);
-  std::vector<PeerChain> peers =
-      context.peers.prefilter_file(context.file, size, kSamples, context.folder, context.stopwatch);
-  for (PeerChain& peer : context.peers.prefilter_by_webgl(context.file, size, context.folder))
-    peers.push_back(std::move(peer));
-  for (const PeerChain& peer : peers) {
-    const ErrorNorms errors = truth.errors(peer.cubemap, peer.schedule);
-    all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
-  }
+  add_peers(all, context.peers.prefilter_file(context.file, size, kSamples), kTruth,
+            [&](const PeerChain& found) { return truth.errors(found.cubemap, found.schedule); });
   return all;
 }
 

@@ -54,8 +54,8 @@ std::vector<Measurement> by_table_size(const PassContext& context) {
     const ErrorNorms errors = errors_of(
         [&](const glm::dvec3& sun, SphericalHarmonics& light) { projector.project(sun, light.coefficients()); },
         context.scale.sun_elevations, truths);
-    all.push_back({"", options.layout == ScatteringLayout::full ? "full" : "compact", size_words(options), errors.rms,
-                   errors.maximum, seconds, kTruth});
+    all.push_back(measurement(options.layout == ScatteringLayout::full ? "full" : "compact", size_words(options),
+                              errors, seconds, kTruth));
     progress(context, sizes.size() + all.size(), 2 * sizes.size());
   }
   return all;
@@ -114,10 +114,9 @@ std::vector<Measurement> sky_by_method(const std::vector<SkyMethod>& methods, co
                                        const std::vector<SphericalHarmonics>& truths, const Stopwatch& stopwatch) {
   std::vector<Measurement> all;
   for (const SkyMethod& method : methods) {
-    const ErrorNorms errors = errors_of(method.project, elevations, truths);
     const std::string setting = method.setting + (method.name == "curve" ? " elevations" : " directions");
-    all.push_back(
-        {"", method.name, setting, errors.rms, errors.maximum, seconds_of(method.project, stopwatch), kTruth});
+    all.push_back(measurement(method.name, setting, errors_of(method.project, elevations, truths),
+                              seconds_of(method.project, stopwatch), kTruth));
   }
   return all;
 }
