@@ -185,7 +185,7 @@ void add_project_lat_long();
 /// ReadBandwidth/FORMAT/SIZE/THREADS for the cubemaps of ProjectCubemap, and for a lat-long of 4096 x 2048.
 void add_read_bandwidth();
 
-/// LatLongToCubemap/area/SHAPE/THREADS, and CopyBandwidth for cubemaps of the same sizes.
+/// LatLongToCubemap/area/SHAPE/THREADS.
 void add_resampling();
 
 /// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
@@ -212,11 +212,6 @@ void add_sky_tables();
 
 /// SkySpecular/no_disc/32/THREADS.
 void add_sky_specular();
-
-/// Runs the registered benchmarks and prints the usual table and, when all has run, how each projection's time compares
-/// with ReadBandwidth's for the same bytes, those passes' rates that read and write with CopyBandwidth's, and two
-/// threads' times with one's. Of repetitions the fastest counts.
-void run_benchmarks();
 
 struct PageOptions {
   bool processor = false;  ///< processor time, for machines with other programs

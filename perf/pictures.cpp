@@ -1,5 +1,4 @@
 #include "image/pixels.h"
-#include "jobs/tiles.h"
 #include "perf.h"
 #include "perf/report/passes.h"
 #include "support/chains.h"
@@ -14,35 +13,13 @@
 namespace welkin::perf {
 namespace {
 
-constexpr double kTexelBytes = 12.0;
-
-double cube_texels(int size) { return 6.0 * size * size; }
-
-/// Copies a cubemap in tiles, as the passes do: the yardstick for what reads and writes.
-void add_copy(int size, int threads) {
-  const double texels = cube_texels(size);
-  add_benchmark("CopyBandwidth", "rgb32f", std::to_string(size), threads, texels, 2.0 * kTexelBytes * texels, [=] {
-    const auto* const from = static_cast<const float*>(noise_cubemap(PixelFormat::rgb32f, size).faces[0]);
-    const auto to = std::make_shared<std::vector<float>>(static_cast<std::size_t>(3.0 * texels));
-    return [=] {
-      constexpr std::size_t tile = std::size_t{1} << 16U;
-      const auto where = jobs::Placement::arena;
-      jobs::run_tiles((to->size() + tile - 1) / tile, where, jobs::worker_count(where), {},
-                      [&](std::size_t index, std::size_t) {
-                        const std::size_t first = index * tile;
-                        const std::size_t count = std::min(tile, to->size() - first);
-                        std::memcpy(to->data() + first, from + first, count * sizeof(float));
-                      });
-    };
-  });
-}
-
-void add_lat_long_to_cubemap(int width, int size, int threads) {
-  const int height = width / 2;
-  const double bytes = kTexelBytes * (cube_texels(size) + 1.0 * width * height);
-  const std::string shape = std::to_string(width) + "x" + std::to_string(height) + "-" + std::to_string(size);
-  add_benchmark("LatLongToCubemap", "area", shape, threads, cube_texels(size), bytes, [=] {
-    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
+/// A cubemap of `size` from a lat-long twice as wide.
+void add_lat_long_to_cubemap(int size, int threads) {
+  constexpr double kTexelBytes = 12.0;
+  const double texels = 6.0 * size * size;
+  const std::string shape = std::to_string(2 * size) + "x" + std::to_string(size) + "-" + std::to_string(size);
+  add_benchmark("LatLongToCubemap", "area", shape, threads, texels, kTexelBytes * (texels + 2.0 * size * size), [=] {
+    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 2 * size, size);
     const auto chain = std::make_shared<Cubemap>(size, 1);
     return [=] { image::fill_cubemap(view, *chain, 0, ResampleFilter::area, {}); };
   });
@@ -52,10 +29,7 @@ void add_lat_long_to_cubemap(int width, int size, int threads) {
 
 void add_resampling() {
   for (const int threads : kThreadCounts) {
-    for (const int size : {256, 512}) {
-      add_copy(size, threads);
-      add_lat_long_to_cubemap(2 * size, size, threads);
-    }
+    for (const int size : {256, 512}) add_lat_long_to_cubemap(size, threads);
   }
 }
 
