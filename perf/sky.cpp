@@ -199,27 +199,16 @@ std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std
 }
 
 std::string lines_of_tabs(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
-  const report::Stopwatch stopwatch;
-  std::ostringstream text;
-  text << "# method\tsetting\tdirections\tmicroseconds\trms\tworst\tworst elevation, from 90 to -6 degrees\n";
-  for (const SkyMethod& method : methods) {
-    double squares = 0.0;
-    double worst = 0.0;
-    double where = 0.0;
-    int count = 0;
-    for (std::size_t k = 0; k < kElevations.size() && kElevations[k] >= kLastPromised; ++k, ++count) {
-      SphericalHarmonics light(3);
-      method.project(sun_direction(kElevations[k], 0.0), light);
-      const double error = report::worst_channel_error(light, truths[k]);
-      squares += error * error;
-      if (error > worst) where = kElevations[k];
-      worst = std::max(worst, error);
-    }
-    text << method.name << '\t' << method.setting << '\t' << method.directions << '\t'
-         << number("%.3g", 1e6 * report::seconds_of(method.project, stopwatch)) << '\t'
-         << number("%.2e", std::sqrt(squares / count)) << '\t' << number("%.2e", worst) << '\t' << where << '\n';
+  std::vector<double> elevations(kElevations.begin(), kElevations.end());
+  std::erase_if(elevations, [](double elevation) { return elevation < kLastPromised; });
+  const auto found = report::sky_by_method(methods, elevations, truths, report::Stopwatch());
+  std::string text = "# method\tsetting\tdirections\tmicroseconds\trms\tworst, from 90 to -6 degrees\n";
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    text += methods[k].name + '\t' + methods[k].setting + '\t' + methods[k].directions +
+            number("\t%.3g", 1e6 * found[k].seconds) + number("\t%.2e", found[k].error_rms) +
+            number("\t%.2e\n", found[k].error_maximum);
   }
-  return text.str();
+  return text;
 }
 
 std::string methods_table(const Settings& settings) {

@@ -1,4 +1,5 @@
 #include "image/geometry.h"
+#include "image/resampling.h"
 #include "perf/report/passes.h"
 #include "reflections/lookups.h"
 #include "welkin/environment_file.h"
@@ -7,26 +8,6 @@
 
 namespace welkin::report {
 namespace {
-
-glm::dvec3 value(const Cubemap& chain, int level, const image::CubeTexel& texel) {
-  const float* const rgb = chain.face(level, texel.face) + 3 * (texel.row * chain.level_size(level) + texel.column);
-  return {rgb[0], rgb[1], rgb[2]};
-}
-
-/// The texel may lie beside the face.
-glm::dvec3 texel_of(const Cubemap& chain, int level, const image::CubeTexel& wanted) {
-  const int size = chain.level_size(level);
-  const auto beyond = [&](const image::CubeTexel& texel) {
-    return value(chain, level, image::across_edge(size, texel));
-  };
-  const int column = std::clamp(wanted.column, 0, size - 1);
-  const int row = std::clamp(wanted.row, 0, size - 1);
-  if (column == wanted.column && row == wanted.row) return value(chain, level, wanted);
-  if (column == wanted.column || row == wanted.row) return beyond(wanted);
-  return (value(chain, level, {wanted.face, column, row}) + beyond({wanted.face, wanted.column, row}) +
-          beyond({wanted.face, column, wanted.row})) /
-         3.0;
-}
 
 /// A unit vector from two numbers in [0, 1).
 glm::dvec3 anywhere(double u, double v) {
@@ -93,18 +74,9 @@ class LightDirections {
 }  // namespace
 
 glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction) {
-  const int size = chain.level_size(level);
-  const int face = image::face_of(direction);
-  const image::Frame& frame = image::face_frame(face);
-  const double depth = glm::dot(direction, frame.normal);
-  const double x = 0.5 * size * (1.0 + glm::dot(direction, frame.u) / depth) - 0.5;
-  const double y = 0.5 * size * (1.0 + glm::dot(direction, frame.v) / depth) - 0.5;
-  const int column = static_cast<int>(std::floor(x));
-  const int row = static_cast<int>(std::floor(y));
-  const double u = x - column;
-  const double v = y - row;
-  const auto texel = [&](int dx, int dy) { return texel_of(chain, level, {face, column + dx, row + dy}); };
-  return (1.0 - v) * ((1.0 - u) * texel(0, 0) + u * texel(1, 0)) + v * ((1.0 - u) * texel(0, 1) + u * texel(1, 1));
+  glm::dvec3 light(0.0);
+  image::CubemapSampler(chain.view(level)).add(direction, 1.0, light);
+  return light;
 }
 
 glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction) {

@@ -260,33 +260,20 @@ struct BlockWay {
 /// "32 x 64 x 8 x 32": heights, views, full tables' angles, suns.
 [[nodiscard]] std::string size_words(const SkyTableOptions& options);
 
-/// A quadrature at some size.
-struct SkySetting {
-  std::string name;        ///< of the quadrature
-  std::string setting;     ///< zeniths x azimuths
-  std::string directions;  ///< that it stands for: both sides of the sun
-  SkyHarmonicsOptions options;
-};
-
-/// From coarse to fine.
-[[nodiscard]] std::vector<SkySetting> sky_settings();
-
 /// Writes the nine coefficients for a sun.
 using ProjectSky = std::function<void(const glm::dvec3& sun, SphericalHarmonics& light)>;
 
 struct SkyMethod {
-  std::string name, setting, directions;
+  std::string name;        ///< of the quadrature, or "curve"
+  std::string setting;     ///< zeniths x azimuths, or elevations
+  std::string directions;  ///< that a quadrature stands for: both sides of the sun
   ProjectSky project;
 };
 
-/// The settings and the curves of 64, 256 and 1024 elevations, of a view.
+/// Quadratures from coarse to fine, and the curves of 64, 256 and 1024 elevations, of a view.
 [[nodiscard]] std::vector<SkyMethod> sky_methods(const SkyView& view);
 
-/// Seconds of an update by a method, over suns that climb.
-[[nodiscard]] double seconds_of(const ProjectSky& project, const Stopwatch& stopwatch);
-
-/// Singly scattered light of the Earth on black ground at sea level by each method: over the elevations, against
-/// `truths`.
+/// Singly scattered light of the Earth on black ground by each method: over the elevations, against `truths`.
 [[nodiscard]] std::vector<Measurement> sky_by_method(const std::vector<SkyMethod>& methods,
                                                      const std::vector<double>& elevations,
                                                      const std::vector<SphericalHarmonics>& truths,
