@@ -20,6 +20,7 @@ using Paths = std::vector<std::filesystem::path>;
 
 /// Threads that benchmarks run on.
 inline constexpr int kThreadCounts[] = {1, 2};
+inline constexpr int kOneThread[] = {1};
 
 /// The words after a mode: options, `--name` or `--name=value`, and files. Throws `Error` (invalid_argument) for an
 /// option that is not among `known`.
@@ -70,10 +71,11 @@ struct ProbeTargets {
 /// `count` cubemaps of 64 halves with alpha, of positive noise, `different` of them over and over.
 [[nodiscard]] std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different);
 
-/// Registers a benchmark that runs what `prepare` returns once an iteration in an arena of `threads` threads, by wall
-/// time, and reports nanoseconds a texel and gigabytes a second.
-void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
-                   double texels, double bytes, const std::function<std::function<void()>()>& prepare);
+/// Registers benchmarks that run what `prepare` returns once an iteration in an arena of so many threads, by wall time,
+/// and report nanoseconds a texel and gigabytes a second.
+void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size,
+                   std::span<const int> threads, double texels, double bytes,
+                   const std::function<std::function<void()>()>& prepare);
 
 struct SkyPictureOptions {
   int width = 1024;

@@ -11,7 +11,7 @@ namespace {
 constexpr int kWidth = 1024;
 constexpr int kHeight = 512;
 constexpr int kFace = 1024;
-constexpr int kThreads = 2;
+constexpr int kThreads[] = {2};
 
 using Body = std::function<void()>;
 

@@ -12,37 +12,33 @@
 namespace welkin::perf {
 
 void add_sky_tables() {
-  for (const int threads : kThreadCounts) {
-    SkyTableOptions full;
-    full.orders = 4;
-    SkyTableOptions compact = full;
-    compact.layout = ScatteringLayout::compact;
-    compact.sun_zeniths = 32;
-    for (const auto& [variant, options] : {std::pair{"full", full}, {"compact", compact}}) {
-      add_benchmark(
-          "SkyTables", variant, "4", threads, static_cast<double>(sky::scattering_texels(options)), 0.0,
-          [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
-    }
-    // More and less haze in turn: what it does not change is kept.
-    add_benchmark("SkyTables", "compact-haze", "4", threads, 1.0, 0.0, [compact] {
-      return [compact, more = false]() mutable {
-        more = !more;
-        Atmosphere air = earth_bruneton();
-        for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
-        benchmark::DoNotOptimize(precompute_sky(air, compact));
-      };
-    });
+  SkyTableOptions full;
+  full.orders = 4;
+  SkyTableOptions compact = full;
+  compact.layout = ScatteringLayout::compact;
+  compact.sun_zeniths = 32;
+  for (const auto& [variant, options] : {std::pair{"full", full}, {"compact", compact}}) {
+    add_benchmark(
+        "SkyTables", variant, "4", kThreadCounts, static_cast<double>(sky::scattering_texels(options)), 0.0,
+        [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
   }
+  // More and less haze in turn: what it does not change is kept.
+  add_benchmark("SkyTables", "compact-haze", "4", kThreadCounts, 1.0, 0.0, [compact] {
+    return [compact, more = false]() mutable {
+      more = !more;
+      Atmosphere air = earth_bruneton();
+      for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
+      benchmark::DoNotOptimize(precompute_sky(air, compact));
+    };
+  });
 }
 
 void add_sky_specular() {
   constexpr double texels = 6.0 * 32.0 * 32.0;
-  for (const int threads : kThreadCounts) {
-    add_benchmark("SkySpecular", "no_disc", "32", threads, texels, 12.0 * texels, [] {
-      const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
-      return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
-    });
-  }
+  add_benchmark("SkySpecular", "no_disc", "32", kThreadCounts, texels, 12.0 * texels, [] {
+    const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
+    return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
+  });
 }
 
 namespace {
