@@ -21,9 +21,9 @@ enum class Memory { fresh, again };
 
 /// `make()`: a shared picture.
 template <class Make>
-void add_bake(const std::string& variant, const std::string& shape, int threads, double texels,
-              const BakeOptions& options, Memory memory, const Make& make) {
-  add_benchmark("Bake", variant, shape, threads, texels, 12.0 * texels, [=] {
+void add_bake(const std::string& variant, const std::string& shape, double texels, const BakeOptions& options,
+              Memory memory, const Make& make) {
+  add_benchmark("Bake", variant, shape, kThreadCounts, texels, 12.0 * texels, [=] {
     return [=, source = make(), result = std::make_shared<BakeResult>()] {
       if (memory == Memory::fresh) *result = {};
       bake_into(*result, source->view(), options);
@@ -32,16 +32,15 @@ void add_bake(const std::string& variant, const std::string& shape, int threads,
   });
 }
 
-void add_bake_of_lat_long(const std::string& variant, const SkyPictureOptions& picture, int threads,
-                          const BakeOptions& options, Memory memory = Memory::again) {
+void add_bake_of_lat_long(const std::string& variant, const SkyPictureOptions& picture, const BakeOptions& options,
+                          Memory memory = Memory::again) {
   const std::string shape = std::to_string(picture.width) + 'x' + std::to_string(picture.width / 2);
-  add_bake(variant, shape, threads, 0.5 * picture.width * picture.width, options, memory,
-           [=] { return sky_picture(picture); });
+  add_bake(variant, shape, 0.5 * picture.width * picture.width, options, memory, [=] { return sky_picture(picture); });
 }
 
 /// A chain of `size` from a cubemap of that size, a probe that an engine captured.
-void add_bake_of_cubemap(int size, int threads) {
-  add_bake("cube-rgb32f", std::to_string(size), threads, 6.0 * size * size, bake_options(size), Memory::again,
+void add_bake_of_cubemap(int size) {
+  add_bake("cube-rgb32f", std::to_string(size), 6.0 * size * size, bake_options(size), Memory::again,
            [=] { return std::make_shared<const Cubemap>(to_cubemap(sky_picture()->view(), size)); });
 }
 
@@ -49,10 +48,10 @@ constexpr int kMany = 64;
 
 /// What an engine wants of a probe of 64: its harmonics, and five mips as halves. 64 probes in one call, or in single
 /// calls of the same.
-void add_bake_many(int threads, bool in_one_call) {
+void add_bake_many(bool in_one_call) {
   constexpr double texels = 6.0 * 64.0 * 64.0 * kMany;
   const std::string variant = in_one_call ? "rgba16f" : "rgba16f-single-calls";
-  add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), threads, texels, 8.0 * texels, [=] {
+  add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), kThreadCounts, texels, 8.0 * texels, [=] {
     const Cubemap picture = to_cubemap(sky_picture()->view(), 64);
     const auto source = std::make_shared<const report::FormattedCubemap>(picture, PixelFormat::rgba16f);
     const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
@@ -76,25 +75,23 @@ void add_bake_many(int threads, bool in_one_call) {
 }  // namespace
 
 void add_bakes() {
-  for (const int threads : kThreadCounts) {
-    add_bake_of_lat_long("512", {}, threads, bake_options(512), Memory::fresh);
-    add_bake_of_lat_long("512-background", {}, threads, bake_options(512, true));
-    add_bake_of_lat_long("512-sun", {.sun = 34'000.0}, threads, bake_options(512));
-    add_bake_of_lat_long("256", {}, threads, bake_options(256));
-    add_bake_of_lat_long("1024", {.width = 2048}, threads, bake_options(1024));
-    add_bake_of_lat_long("2048", {.width = 4096}, threads, bake_options(2048));
-    add_bake_of_lat_long("512", {.width = 8192}, threads, bake_options(512));
-    for (const int size : {64, 128, 256, 512}) add_bake_of_cubemap(size, threads);
-    add_bake_many(threads, true);
-    add_bake_many(threads, false);
-  }
+  add_bake_of_lat_long("512", {}, bake_options(512), Memory::fresh);
+  add_bake_of_lat_long("512-background", {}, bake_options(512, true));
+  add_bake_of_lat_long("512-sun", {.sun = 34'000.0}, bake_options(512));
+  add_bake_of_lat_long("256", {}, bake_options(256));
+  add_bake_of_lat_long("1024", {.width = 2048}, bake_options(1024));
+  add_bake_of_lat_long("2048", {.width = 4096}, bake_options(2048));
+  add_bake_of_lat_long("512", {.width = 8192}, bake_options(512));
+  for (const int size : {64, 128, 256, 512}) add_bake_of_cubemap(size);
+  add_bake_many(true);
+  add_bake_many(false);
 }
 
 namespace {
 
-void add_prefilter_of(const std::string& variant, bool cubemap, const PrefilterOptions& options, int threads) {
+void add_prefilter_of(const std::string& variant, bool cubemap, const PrefilterOptions& options) {
   const double texels = 6.0 * options.size * options.size * 4.0 / 3.0;
-  add_benchmark("Prefilter", variant, std::to_string(options.size), threads, texels, 12.0 * texels, [=] {
+  add_benchmark("Prefilter", variant, std::to_string(options.size), kThreadCounts, texels, 12.0 * texels, [=] {
     const EnvironmentView view = cubemap ? EnvironmentView(noise_cubemap(PixelFormat::rgb32f, options.size))
                                          : EnvironmentView(noise_lat_long(PixelFormat::rgb32f, 1024, 512));
     return [=] { benchmark::DoNotOptimize(prefilter_specular(view, options)); };
@@ -113,14 +110,12 @@ PrefilterOptions narrow(int size) {
 }  // namespace
 
 void add_prefilter() {
-  for (const int threads : kThreadCounts) {
-    for (const int size : {256, 512}) {
-      add_prefilter_of("spectral", false, {.size = size}, threads);
-      add_prefilter_of("narrow", false, narrow(size), threads);
-    }
-    add_prefilter_of("cubemap", true, {.size = 256}, threads);
-    add_prefilter_of("cubemap-narrow", true, narrow(256), threads);
+  for (const int size : {256, 512}) {
+    add_prefilter_of("spectral", false, {.size = size});
+    add_prefilter_of("narrow", false, narrow(size));
   }
+  add_prefilter_of("cubemap", true, {.size = 256});
+  add_prefilter_of("cubemap-narrow", true, narrow(256));
 }
 
 }  // namespace welkin::perf

@@ -1,9 +1,4 @@
 #include "perf.h"
-#include "projection/sanitized_pixels.h"
-#include "reflections/bright_texels.h"
-#include "reflections/cube_rings.h"
-#include "reflections/prefilter.h"
-#include "transform/spectrum.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
@@ -28,26 +23,6 @@ Subject chain_of(const Environment& picture, bool cubemap, const std::string& na
             options.rms_error = bound;
             static_cast<void>(cubemap ? prefilter_specular(cube->view(), options)
                                       : prefilter_specular(picture.lat_long(), options));
-          }};
-}
-
-/// What a bake does of each face alone, and the transform, which is linear in them: all that could be kept of a face
-/// that did not change.
-Subject faces_of(const Environment& picture, PrefilterOptions options) {
-  const auto source =
-      std::make_shared<report::FormattedCubemap>(to_cubemap(picture.lat_long(), options.size), PixelFormat::rgba16f);
-  return {"of it linear in the faces, from half floats", [=](double bound) mutable {
-            options.rms_error = bound;
-            const reflections::PrefilterPlan plan =
-                reflections::plan_prefilter(options).at_step(0, {true, options.size, options.size});
-            const projection::SanitizedSource clean(source->view(), {}, {});
-            const auto bright = reflections::find_bright_texels(clean, plan.light_alpha, reflections::kMaxBright, {});
-            const auto coarse = reflections::halved_faces(reflections::rows_without(bright, clean),
-                                                          plan.face_for_cubemap(options.size), {});
-            const auto rings = reflections::rings_of_cubemap(coarse.rows, plan.rows_for_cubemap(), {});
-            static_cast<void>(transforms::analyse(rings.view, plan.bands, {}, transforms::SourceRows::fewer));
-            Cubemap sharp(options.size, 1);
-            reflections::fill_level(clean, sharp, 0, {});
           }};
 }
 
@@ -80,7 +55,6 @@ std::vector<Subject> subjects_of(const Environment& picture) {
     const int mips = size == 64 ? 3 : size == 128 ? 4 : size == 256 ? 5 : 6;  // down to 16 texels
     subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size) + ", " + std::to_string(mips) + " mips",
                                 {.size = size, .mips = mips}));
-    subjects.push_back(faces_of(picture, {.size = size, .mips = mips}));
     subjects.push_back(chain_of(picture, true, "cube " + std::to_string(size), {.size = size}));
   }
   subjects.push_back(chain_of(picture, false, "lat-long to 256, 5 mips", {.size = 256, .mips = 5}));

@@ -58,7 +58,7 @@ void rotate_as_directxmath(const std::array<std::array<float, 3>, 3>& r, const f
 }
 
 void add(const std::string& variant, int bands, std::function<void()> body) {
-  add_benchmark("Harmonics", variant, std::to_string(bands), 1, kThousand, 0.0,
+  add_benchmark("Harmonics", variant, std::to_string(bands), kOneThread, kThousand, 0.0,
                 [body = std::move(body)] { return body; });
 }
 
@@ -93,7 +93,7 @@ void add_harmonics() {
       benchmark::DoNotOptimize(out);
     }
   });
-  add_benchmark("Harmonics", "sky-curve-1000", "3", 1, kThousand, 0.0, [] {
+  add_benchmark("Harmonics", "sky-curve-1000", "3", kOneThread, kThousand, 0.0, [] {
     const auto curve = std::make_shared<const SkyCurve>(SkyView(earth_tables(), 0.0), SkyCurveOptions{});
     return [curve] {
       for (int k = 0; k < kThousand; ++k) benchmark::DoNotOptimize(curve->at(sun_direction(0.09 * k, 30.0)));

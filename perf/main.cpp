@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
-  perf::run_benchmarks();
+  benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return 0;
 }

@@ -20,6 +20,7 @@ using Paths = std::vector<std::filesystem::path>;
 
 /// Threads that benchmarks run on.
 inline constexpr int kThreadCounts[] = {1, 2};
+inline constexpr int kOneThread[] = {1};
 
 /// The words after a mode: options, `--name` or `--name=value`, and files. Throws `Error` (invalid_argument) for an
 /// option that is not among `known`.
@@ -70,10 +71,11 @@ struct ProbeTargets {
 /// `count` cubemaps of 64 halves with alpha, of positive noise, `different` of them over and over.
 [[nodiscard]] std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different);
 
-/// Registers a benchmark that runs what `prepare` returns once an iteration in an arena of `threads` threads, by wall
-/// time, and reports nanoseconds a texel and gigabytes a second.
-void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
-                   double texels, double bytes, const std::function<std::function<void()>()>& prepare);
+/// Registers benchmarks that run what `prepare` returns once an iteration in an arena of so many threads, by wall time,
+/// and report nanoseconds a texel and gigabytes a second.
+void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size,
+                   std::span<const int> threads, double texels, double bytes,
+                   const std::function<std::function<void()>()>& prepare);
 
 struct SkyPictureOptions {
   int width = 1024;
@@ -185,7 +187,7 @@ void add_project_lat_long();
 /// ReadBandwidth/FORMAT/SIZE/THREADS for the cubemaps of ProjectCubemap, and for a lat-long of 4096 x 2048.
 void add_read_bandwidth();
 
-/// LatLongToCubemap/area/SHAPE/THREADS, and CopyBandwidth for cubemaps of the same sizes.
+/// LatLongToCubemap/area/SHAPE/THREADS.
 void add_resampling();
 
 /// What is saved when results are found again, on 2 threads: the tables of docs/notes/measurements.md.
@@ -210,11 +212,6 @@ void add_sky_tables();
 
 /// SkySpecular/no_disc/32/THREADS.
 void add_sky_specular();
-
-/// Runs the registered benchmarks and prints the usual table and, when all has run, how each projection's time compares
-/// with ReadBandwidth's for the same bytes, those passes' rates that read and write with CopyBandwidth's, and two
-/// threads' times with one's. Of repetitions the fastest counts.
-void run_benchmarks();
 
 struct PageOptions {
   bool processor = false;  ///< processor time, for machines with other programs

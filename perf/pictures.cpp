@@ -1,5 +1,4 @@
 #include "image/pixels.h"
-#include "jobs/tiles.h"
 #include "perf.h"
 #include "perf/report/passes.h"
 #include "support/chains.h"
@@ -14,35 +13,14 @@
 namespace welkin::perf {
 namespace {
 
-constexpr double kTexelBytes = 12.0;
-
-double cube_texels(int size) { return 6.0 * size * size; }
-
-/// Copies a cubemap in tiles, as the passes do: the yardstick for what reads and writes.
-void add_copy(int size, int threads) {
-  const double texels = cube_texels(size);
-  add_benchmark("CopyBandwidth", "rgb32f", std::to_string(size), threads, texels, 2.0 * kTexelBytes * texels, [=] {
-    const auto* const from = static_cast<const float*>(noise_cubemap(PixelFormat::rgb32f, size).faces[0]);
-    const auto to = std::make_shared<std::vector<float>>(static_cast<std::size_t>(3.0 * texels));
-    return [=] {
-      constexpr std::size_t tile = std::size_t{1} << 16U;
-      const auto where = jobs::Placement::arena;
-      jobs::run_tiles((to->size() + tile - 1) / tile, where, jobs::worker_count(where), {},
-                      [&](std::size_t index, std::size_t) {
-                        const std::size_t first = index * tile;
-                        const std::size_t count = std::min(tile, to->size() - first);
-                        std::memcpy(to->data() + first, from + first, count * sizeof(float));
-                      });
-    };
-  });
-}
-
-void add_lat_long_to_cubemap(int width, int size, int threads) {
-  const int height = width / 2;
-  const double bytes = kTexelBytes * (cube_texels(size) + 1.0 * width * height);
-  const std::string shape = std::to_string(width) + "x" + std::to_string(height) + "-" + std::to_string(size);
-  add_benchmark("LatLongToCubemap", "area", shape, threads, cube_texels(size), bytes, [=] {
-    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, width, height);
+/// A cubemap of `size` from a lat-long twice as wide.
+void add_lat_long_to_cubemap(int size) {
+  constexpr double kTexelBytes = 12.0;
+  const double texels = 6.0 * size * size;
+  const double bytes = kTexelBytes * (texels + 2.0 * size * size);
+  const std::string shape = std::to_string(2 * size) + "x" + std::to_string(size) + "-" + std::to_string(size);
+  add_benchmark("LatLongToCubemap", "area", shape, kThreadCounts, texels, bytes, [=] {
+    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 2 * size, size);
     const auto chain = std::make_shared<Cubemap>(size, 1);
     return [=] { image::fill_cubemap(view, *chain, 0, ResampleFilter::area, {}); };
   });
@@ -51,12 +29,7 @@ void add_lat_long_to_cubemap(int width, int size, int threads) {
 }  // namespace
 
 void add_resampling() {
-  for (const int threads : kThreadCounts) {
-    for (const int size : {256, 512}) {
-      add_copy(size, threads);
-      add_lat_long_to_cubemap(2 * size, size, threads);
-    }
-  }
+  for (const int size : {256, 512}) add_lat_long_to_cubemap(size);
 }
 
 namespace {
@@ -104,15 +77,13 @@ void add_bc6h() {
   const auto chain = [](int size) {
     return std::make_shared<const Cubemap>(whole_chain(sky_picture({.grain = 0.3, .sun = 500.0})->view(), size));
   };
-  for (const int threads : kThreadCounts) {
-    for (const int size : {256, 512}) {
-      const double texels = 6.0 * (4.0 * size * size - 1.0) / 3.0;
-      for (const NamedEffort& effort : kEfforts) {
-        add_benchmark("EncodeBc6h", effort.name, std::to_string(size), threads, texels, 0.0, [=] {
-          return
-              [given = chain(size), effort] { benchmark::DoNotOptimize(encode_bc6h(given->views(), {effort.effort})); };
-        });
-      }
+  for (const int size : {256, 512}) {
+    const double texels = 6.0 * (4.0 * size * size - 1.0) / 3.0;
+    for (const NamedEffort& effort : kEfforts) {
+      add_benchmark("EncodeBc6h", effort.name, std::to_string(size), kThreadCounts, texels, 0.0, [=] {
+        return
+            [given = chain(size), effort] { benchmark::DoNotOptimize(encode_bc6h(given->views(), {effort.effort})); };
+      });
     }
   }
 }
@@ -131,17 +102,15 @@ std::string block_error_table(const Paths& words) {
 }
 
 void add_importance() {
-  for (const int threads : kThreadCounts) {
-    // Read once; a function and a cumulative distribution written.
-    constexpr double texels = 4096.0 * 2048.0;
-    add_benchmark("ImportanceTable", "rgb32f", "4096x2048", threads, texels, 20.0 * texels, [=] {
-      const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 4096, 2048);
-      const auto table = std::make_shared<ImportanceTable>(importance_table(view));
-      return [=] {
-        benchmark::DoNotOptimize(importance_table(view, {table->function, table->row_cdf, table->column_cdf}));
-      };
-    });
-  }
+  // Read once; a function and a cumulative distribution written.
+  constexpr double texels = 4096.0 * 2048.0;
+  add_benchmark("ImportanceTable", "rgb32f", "4096x2048", kThreadCounts, texels, 20.0 * texels, [=] {
+    const LatLongView view = noise_lat_long(PixelFormat::rgb32f, 4096, 2048);
+    const auto table = std::make_shared<ImportanceTable>(importance_table(view));
+    return [=] {
+      benchmark::DoNotOptimize(importance_table(view, {table->function, table->row_cdf, table->column_cdf}));
+    };
+  });
 }
 
 }  // namespace welkin::perf

@@ -69,9 +69,9 @@ std::vector<FileInput> files() {
   return inputs;
 }
 
-void add(const char* variant, int threads, double bytes_a_probe, const std::function<std::function<void()>()>& make) {
+void add(const char* variant, double bytes_a_probe, const std::function<std::function<void()>()>& make) {
   const auto count = static_cast<double>(kGrid.size());
-  add_benchmark("Probes", variant, "64x10000", threads, 6.0 * kFaceTexels * count, bytes_a_probe * count, make);
+  add_benchmark("Probes", variant, "64x10000", kThreadCounts, 6.0 * kFaceTexels * count, bytes_a_probe * count, make);
 }
 
 }  // namespace
@@ -79,43 +79,41 @@ void add(const char* variant, int threads, double bytes_a_probe, const std::func
 void add_probes() {
   constexpr double colours = 8.0 * 6.0 * kFaceTexels;
   constexpr double depths = 4.0 * 6.0 * kFaceTexels;
-  for (const int threads : kThreadCounts) {
-    add("rgba16f", threads, colours, [] {
-      static_cast<void>(captures());
-      return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes)); };
+  add("rgba16f", colours, [] {
+    static_cast<void>(captures());
+    return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes)); };
+  });
+  add("rgba16f-depths", colours + depths, [] {
+    static_cast<void>(captures());
+    return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths)); };
+  });
+  add("rgba16f-depths-sky", colours + 2 * depths, [] {
+    static_cast<void>(captures());
+    return [] {
+      benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
+    };
+  });
+  add("files", colours, [] {
+    return [inputs = files()] {
+      const BakedProbes probes = bake_probe_files(kGrid, inputs);
+      const std::array layouts{ProbeLayout::three, ProbeLayout::unity_l2};
+      const std::filesystem::path folder = inputs[0].path().parent_path();
+      benchmark::DoNotOptimize(write_probes(folder / "probes.json", probes, layouts));
+    };
+  });
+  add("relight", 0.0, [] {
+    const auto probes = std::make_shared<BakedProbes>(
+        bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
+    SphericalHarmonics sun(4);
+    for (std::size_t k = 0; k < 16; ++k) sun.coefficients()[k] = dvec3(1.0 / (1.0 + static_cast<double>(k)));
+    return [probes, sun] { relight(*probes, SphericalHarmonics(4), sun); };
+  });
+  for (const auto& [variant, layout] :
+       {std::pair{"pack-three", ProbeLayout::three}, {"pack-unity-l2", ProbeLayout::unity_l2}}) {
+    add(variant, 0.0, [layout = layout] {
+      const auto probes = std::make_shared<BakedProbes>(bake_probes(kGrid, captures().cubes));
+      return [probes, layout] { benchmark::DoNotOptimize(pack_probes(*probes, layout)); };
     });
-    add("rgba16f-depths", threads, colours + depths, [] {
-      static_cast<void>(captures());
-      return [] { benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths)); };
-    });
-    add("rgba16f-depths-sky", threads, colours + 2 * depths, [] {
-      static_cast<void>(captures());
-      return [] {
-        benchmark::DoNotOptimize(bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
-      };
-    });
-    add("files", threads, colours, [] {
-      return [inputs = files()] {
-        const BakedProbes probes = bake_probe_files(kGrid, inputs);
-        const std::array layouts{ProbeLayout::three, ProbeLayout::unity_l2};
-        const std::filesystem::path folder = inputs[0].path().parent_path();
-        benchmark::DoNotOptimize(write_probes(folder / "probes.json", probes, layouts));
-      };
-    });
-    add("relight", threads, 0.0, [] {
-      const auto probes = std::make_shared<BakedProbes>(
-          bake_probes(kGrid, captures().cubes, captures().depths, {.environment_bands = 4}));
-      SphericalHarmonics sun(4);
-      for (std::size_t k = 0; k < 16; ++k) sun.coefficients()[k] = dvec3(1.0 / (1.0 + static_cast<double>(k)));
-      return [probes, sun] { relight(*probes, SphericalHarmonics(4), sun); };
-    });
-    for (const auto& [variant, layout] :
-         {std::pair{"pack-three", ProbeLayout::three}, {"pack-unity-l2", ProbeLayout::unity_l2}}) {
-      add(variant, threads, 0.0, [layout = layout] {
-        const auto probes = std::make_shared<BakedProbes>(bake_probes(kGrid, captures().cubes));
-        return [probes, layout] { benchmark::DoNotOptimize(pack_probes(*probes, layout)); };
-      });
-    }
   }
 }
 

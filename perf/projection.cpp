@@ -13,7 +13,8 @@ constexpr int kSizes[] = {32, 64, 128, 256, 512, 1024, 2048};
 
 double texels_of(int size) { return 6.0 * size * size; }
 
-void add(const std::string& variant, PixelFormat format, int size, int threads, const ProjectionOptions& options) {
+void add(const std::string& variant, PixelFormat format, int size, std::span<const int> threads,
+         const ProjectionOptions& options) {
   const double bytes = texels_of(size) * static_cast<double>(bytes_per_texel(format));
   add_benchmark("ProjectCubemap", variant, std::to_string(size), threads, texels_of(size), bytes, [=] {
     const CubemapView view = noise_cubemap(format, size);
@@ -63,7 +64,7 @@ void sum_as_directxmath(const CubemapView& view, std::array<float, 27>& sums) {
 }
 
 void add_directxmath(int size) {
-  add_benchmark("ProjectCubemap", "directxmath-method", std::to_string(size), 1, texels_of(size),
+  add_benchmark("ProjectCubemap", "directxmath-method", std::to_string(size), kOneThread, texels_of(size),
                 12.0 * texels_of(size), [=] {
                   const CubemapView view = noise_cubemap(PixelFormat::rgb32f, size);
                   return [view, sums = std::array<float, 27>{}]() mutable {
@@ -75,18 +76,17 @@ void add_directxmath(int size) {
 
 /// `count` probes of 64 halves, 64 different ones over and over: in one call, or in a call for each, on one thread or
 /// as tasks of our own.
-void add_many(int count, int threads) {
+void add_many(int count) {
   constexpr std::size_t kDifferent = 64;
   const double texels = texels_of(64) * count;
   const std::string size = "64x" + std::to_string(count);
   const auto probes = [count] { return noise_probes(static_cast<std::size_t>(count), kDifferent); };
-  add_benchmark("ProjectMany", "rgba16f", size, threads, texels, 8.0 * texels, [=] {
+  add_benchmark("ProjectMany", "rgba16f", size, kThreadCounts, texels, 8.0 * texels, [=] {
     return [views = probes(), light = std::vector<dvec3>(9 * static_cast<std::size_t>(count))]() mutable {
       benchmark::DoNotOptimize(project_many(views, light));
     };
   });
-  if (threads > 1) return;
-  add_benchmark("ProjectMany", "rgba16f-single-calls", size, 1, texels, 8.0 * texels, [=] {
+  add_benchmark("ProjectMany", "rgba16f-single-calls", size, kOneThread, texels, 8.0 * texels, [=] {
     return [views = probes()] {
       for (const CubemapView& view : views) benchmark::DoNotOptimize(project(view));
     };
@@ -97,21 +97,19 @@ void add_many(int count, int threads) {
 
 void add_project_cubemap() {
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
-    for (const int size : kSizes) {
-      for (const int threads : kThreadCounts) add(name(format), format, size, threads, {});
-    }
+    for (const int size : kSizes) add(name(format), format, size, kThreadCounts, {});
   }
   for (const PixelFormat format : {PixelFormat::rgb16f, PixelFormat::rgb8, PixelFormat::srgba8}) {
-    for (const int size : {64, 256, 1024}) add(name(format), format, size, 1, {});
+    for (const int size : {64, 256, 1024}) add(name(format), format, size, kOneThread, {});
   }
   for (const int bands : {4, 6, 10}) {
     ProjectionOptions options;
     options.bands = bands;
     for (const int size : {64, 1024})
-      add("rgb32f-bands" + std::to_string(bands), PixelFormat::rgb32f, size, 1, options);
+      add("rgb32f-bands" + std::to_string(bands), PixelFormat::rgb32f, size, kOneThread, options);
   }
   for (const int size : {64, 256}) add_directxmath(size);
-  for (const int threads : kThreadCounts) add_many(10'000, threads);
+  add_many(10'000);
 }
 
 void add_project_lat_long() {
@@ -119,13 +117,11 @@ void add_project_lat_long() {
   constexpr int height = 2048;
   constexpr double texels = 1.0 * width * height;
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
-    for (const int threads : kThreadCounts) {
-      add_benchmark("ProjectLatLong", name(format), "4096x2048", threads, texels,
-                    texels * static_cast<double>(bytes_per_texel(format)), [=] {
-                      const LatLongView view = noise_lat_long(format, width, height);
-                      return [=] { benchmark::DoNotOptimize(project(view)); };
-                    });
-    }
+    add_benchmark("ProjectLatLong", name(format), "4096x2048", kThreadCounts, texels,
+                  texels * static_cast<double>(bytes_per_texel(format)), [=] {
+                    const LatLongView view = noise_lat_long(format, width, height);
+                    return [=] { benchmark::DoNotOptimize(project(view)); };
+                  });
   }
 }
 
@@ -170,13 +166,11 @@ void add_project_file() {
   constexpr double texels = 1.0 * kWidth * kHeight;
   const std::string size = std::to_string(kWidth) + "x" + std::to_string(kHeight);
   for (const Variant& variant : kVariants) {
-    for (const int threads : kThreadCounts) {
-      add_benchmark("ProjectFile", variant.name, size, threads, texels, 12.0 * texels, [&variant] {
-        const std::filesystem::path path = file_of(variant);
-        return [path] { benchmark::DoNotOptimize(project_file(path)); };
-      });
-    }
-    add_benchmark("DecodeFile", variant.name, size, 1, texels, 12.0 * texels, [&variant] {
+    add_benchmark("ProjectFile", variant.name, size, kThreadCounts, texels, 12.0 * texels, [&variant] {
+      const std::filesystem::path path = file_of(variant);
+      return [path] { benchmark::DoNotOptimize(project_file(path)); };
+    });
+    add_benchmark("DecodeFile", variant.name, size, kOneThread, texels, 12.0 * texels, [&variant] {
       const std::filesystem::path path = file_of(variant);
       return [path, rgb = std::vector<float>()]() mutable { decode(path, rgb); };
     });
@@ -215,29 +209,25 @@ std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_
   };
 }
 
+/// `pixels()` gives the first of them when the benchmark runs.
+void add_read(PixelFormat format, const std::string& size, std::int64_t texels,
+              const std::function<const void*()>& pixels) {
+  const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
+  add_benchmark("ReadBandwidth", name(format), size, kThreadCounts, static_cast<double>(texels),
+                static_cast<double>(bytes), [=] { return reader(pixels(), bytes, texels); });
+}
+
 }  // namespace
 
 void add_read_bandwidth() {
   for (const PixelFormat format : {PixelFormat::rgb32f, PixelFormat::rgba32f, PixelFormat::rgba16f}) {
     for (const int size : kSizes) {
-      for (const int threads : kThreadCounts) {
-        const std::int64_t texels = std::int64_t{6} * size * size;
-        const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
-        add_benchmark("ReadBandwidth", name(format), std::to_string(size), threads, static_cast<double>(texels),
-                      static_cast<double>(bytes),
-                      [=] { return reader(noise_cubemap(format, size).faces[0], bytes, texels); });
-      }
+      add_read(format, std::to_string(size), std::int64_t{6} * size * size,
+               [=] { return noise_cubemap(format, size).faces[0]; });
     }
   }
-  for (const int threads : kThreadCounts) {
-    constexpr int width = 4096;
-    constexpr int height = 2048;
-    constexpr std::int64_t texels = std::int64_t{width} * height;
-    constexpr std::int64_t bytes = texels * 12;
-    add_benchmark("ReadBandwidth", "rgb32f", "4096x2048", threads, static_cast<double>(texels),
-                  static_cast<double>(bytes),
-                  [=] { return reader(noise_lat_long(PixelFormat::rgb32f, width, height).pixels, bytes, texels); });
-  }
+  add_read(PixelFormat::rgb32f, "4096x2048", std::int64_t{4096} * 2048,
+           [] { return noise_lat_long(PixelFormat::rgb32f, 4096, 2048).pixels; });
 }
 
 }  // namespace welkin::perf

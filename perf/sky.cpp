@@ -11,37 +11,33 @@
 namespace welkin::perf {
 
 void add_sky_tables() {
-  for (const int threads : kThreadCounts) {
-    SkyTableOptions full;
-    full.orders = 4;
-    SkyTableOptions compact = full;
-    compact.layout = ScatteringLayout::compact;
-    compact.sun_zeniths = 32;
-    for (const auto& [variant, options] : {std::pair{"full", full}, {"compact", compact}}) {
-      add_benchmark(
-          "SkyTables", variant, "4", threads, static_cast<double>(sky::scattering_texels(options)), 0.0,
-          [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
-    }
-    // More and less haze in turn: what it does not change is kept.
-    add_benchmark("SkyTables", "compact-haze", "4", threads, 1.0, 0.0, [compact] {
-      return [compact, more = false]() mutable {
-        more = !more;
-        Atmosphere air = earth_bruneton();
-        for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
-        benchmark::DoNotOptimize(precompute_sky(air, compact));
-      };
-    });
+  SkyTableOptions full;
+  full.orders = 4;
+  SkyTableOptions compact = full;
+  compact.layout = ScatteringLayout::compact;
+  compact.sun_zeniths = 32;
+  for (const auto& [variant, options] : {std::pair{"full", full}, {"compact", compact}}) {
+    add_benchmark(
+        "SkyTables", variant, "4", kThreadCounts, static_cast<double>(sky::scattering_texels(options)), 0.0,
+        [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
   }
+  // More and less haze in turn: what it does not change is kept.
+  add_benchmark("SkyTables", "compact-haze", "4", kThreadCounts, 1.0, 0.0, [compact] {
+    return [compact, more = false]() mutable {
+      more = !more;
+      Atmosphere air = earth_bruneton();
+      for (double& value : air.aerosol.scattering_per_m) value *= more ? 1.5 : 1.0;
+      benchmark::DoNotOptimize(precompute_sky(air, compact));
+    };
+  });
 }
 
 void add_sky_specular() {
   constexpr double texels = 6.0 * 32.0 * 32.0;
-  for (const int threads : kThreadCounts) {
-    add_benchmark("SkySpecular", "no_disc", "32", threads, texels, 12.0 * texels, [] {
-      const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
-      return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
-    });
-  }
+  add_benchmark("SkySpecular", "no_disc", "32", kThreadCounts, texels, 12.0 * texels, [] {
+    const auto view = std::make_shared<const SkyView>(earth_tables(), 0.0);
+    return [=] { benchmark::DoNotOptimize(sky_specular(*view, sun_direction(20.0, 30.0), {.size = 32})); };
+  });
 }
 
 namespace {
@@ -159,27 +155,16 @@ std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std
 }
 
 std::string lines_of_tabs(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {
-  const report::Stopwatch stopwatch;
-  std::ostringstream text;
-  text << "# method\tsetting\tdirections\tmicroseconds\trms\tworst\tworst elevation, from 90 to -6 degrees\n";
-  for (const SkyMethod& method : methods) {
-    double squares = 0.0;
-    double worst = 0.0;
-    double where = 0.0;
-    int count = 0;
-    for (std::size_t k = 0; k < kElevations.size() && kElevations[k] >= kLastPromised; ++k, ++count) {
-      SphericalHarmonics light(3);
-      method.project(sun_direction(kElevations[k], 0.0), light);
-      const double error = report::worst_channel_error(light, truths[k]);
-      squares += error * error;
-      if (error > worst) where = kElevations[k];
-      worst = std::max(worst, error);
-    }
-    text << method.name << '\t' << method.setting << '\t' << method.directions << '\t'
-         << number("%.3g", 1e6 * report::seconds_of(method.project, stopwatch)) << '\t'
-         << number("%.2e", std::sqrt(squares / count)) << '\t' << number("%.2e", worst) << '\t' << where << '\n';
+  std::vector<double> elevations(kElevations.begin(), kElevations.end());
+  std::erase_if(elevations, [](double elevation) { return elevation < kLastPromised; });
+  const auto found = report::sky_by_method(methods, elevations, truths, report::Stopwatch());
+  std::string text = "# method\tsetting\tdirections\tmicroseconds\trms\tworst, from 90 to -6 degrees\n";
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    text += methods[k].name + '\t' + methods[k].setting + '\t' + methods[k].directions +
+            number("\t%.3g", 1e6 * found[k].seconds) + number("\t%.2e", found[k].error_rms) +
+            number("\t%.2e\n", found[k].error_maximum);
   }
-  return text.str();
+  return text;
 }
 
 std::string methods_table(const Settings& settings) {

@@ -5,19 +5,21 @@
 namespace welkin::perf {
 namespace {
 
-/// The fastest run of each benchmark, and its counters.
-class Collector : public benchmark::ConsoleReporter {
+/// The fastest run of each benchmark, and its counters. Names of what runs go to standard error.
+class Collector final : public benchmark::ConsoleReporter {
  public:
   /// `processor`: what counts of benchmarks on one thread is its processor time, not the clock's.
-  explicit Collector(bool processor = false) : processor_(processor) {}
+  explicit Collector(bool processor) : processor_(processor) {}
 
   struct Result {
     double seconds = 0.0;
-    bool latency = false;  ///< its own counters say what is to be compared
     std::map<std::string, double> counters;
   };
 
+  bool ReportContext(const Context& /*context*/) override { return true; }
+
   void ReportRuns(const std::vector<Run>& runs) override {
+    if (!runs.empty()) std::cerr << runs.front().benchmark_name() << '\n';
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string full = run.benchmark_name();
@@ -25,14 +27,12 @@ class Collector : public benchmark::ConsoleReporter {
       const std::string own = own_name(full);
       const bool processor = processor_ && !latency && own.ends_with("/1");
       const double time = processor ? run.cpu_accumulated_time : run.real_accumulated_time;
-      Result result{time / static_cast<double>(run.iterations), latency, {}};
+      Result result{time / static_cast<double>(run.iterations), {}};
       for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
       const auto [at, added] = results_.try_emplace(own, result);
       if (!added && result.seconds < at->second.seconds) at->second = result;
     }
   }
-
-  [[nodiscard]] const std::map<std::string, Result>& results() const { return results_; }
 
   /// One of its counters is in microseconds.
   [[nodiscard]] std::optional<double> seconds(const std::string& name, const std::string& counter = "") const {
@@ -53,51 +53,6 @@ class Collector : public benchmark::ConsoleReporter {
 
   bool processor_;
   std::map<std::string, Result> results_;
-};
-
-/// Names of what runs go to standard error.
-class Names final : public Collector {
- public:
-  using Collector::Collector;
-
- private:
-  bool ReportContext(const Context& /*context*/) override { return true; }
-  void ReportRuns(const std::vector<Run>& runs) override {
-    Collector::ReportRuns(runs);
-    if (!runs.empty()) std::cerr << runs.front().benchmark_name() << '\n';
-  }
-};
-
-/// The usual table, then ratios between benchmarks of the run: what a shared, noisy machine can honestly be asked for.
-class Ratios final : public Collector {
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    Collector::ReportRuns(runs);
-  }
-
-  void Finalize() override {
-    const auto line = [this](const std::string& name, const std::string& ratio) {
-      GetOutputStream() << "  " << name << std::string(name.size() < 40 ? 40 - name.size() : 0, ' ') << ratio << '\n';
-    };
-    GetOutputStream() << "\nRatios within this run (fastest repetitions)\n";
-    for (const auto& [name, result] : results()) {
-      const auto bytes = result.counters.find("bytes/s");
-      if (result.latency) continue;
-      const std::size_t slash = name.find('/');
-      const std::string subject = name.substr(0, slash);
-      const auto read = seconds("ReadBandwidth" + name.substr(slash));
-      if (subject.starts_with("Project") && read)
-        line(name, number("%6.1f %% of ReadBandwidth", 100.0 * *read / result.seconds));
-      // "1024x512-256" is as large as 256.
-      const std::string size_and_threads = name.substr(name.find_last_of("/-", name.rfind('/') - 1) + 1);
-      const auto copying = results().find("CopyBandwidth/rgb32f/" + size_and_threads);
-      if (subject == "LatLongToCubemap" && copying != results().end())
-        line(name, number("%6.1f %% of CopyBandwidth", 100.0 * bytes->second / copying->second.counters.at("bytes/s")));
-      const auto single = seconds(name.substr(0, name.size() - 1) + "1");
-      if (name.ends_with("/2") && single)
-        line(name, number("%6.2f x as fast as with 1 thread", *single / result.seconds));
-    }
-  }
 };
 
 /// What a figure is compared with, and which way is better.
@@ -380,15 +335,10 @@ std::string filter_for(const std::vector<Section>& sections) {
 
 }  // namespace
 
-void run_benchmarks() {
-  Ratios reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-}
-
 std::string speed_page(const PageOptions& options) {
   const std::vector<Section> sections = {projection(), streams(), harmonics(), bakes(),
                                          many(),       skies(),   command(),   worker()};
-  Names results(options.processor);
+  Collector results(options.processor);
   Comparison by{results, 0.0, {}};
   for (const auto& [head, file] : options.others) by.others.emplace_back(head, times_of_page(file));
   benchmark::RunSpecifiedBenchmarks(&results, filter_for(sections));

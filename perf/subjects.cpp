@@ -28,6 +28,18 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
   return pixels.data();
 }
 
+/// `count` cubemaps, `different` of them over and over.
+std::vector<CubemapView> noise_cubemaps(PixelFormat format, int size, std::size_t count, std::size_t different) {
+  const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  const std::byte* const pixels = noise_pixels(format, 6 * face_texels * different);
+  std::vector<CubemapView> views(count, CubemapView{{}, size, 0, format});
+  for (std::size_t k = 0; k < 6 * count; ++k) {
+    const std::size_t at = 6 * (k / 6 % different) + k % 6;
+    views[k / 6].faces[k % 6] = pixels + at * face_texels * bytes_per_texel(format);
+  }
+  return views;
+}
+
 }  // namespace
 
 Arguments::Arguments(const Paths& words, const std::vector<std::string>& known) {
@@ -93,13 +105,7 @@ ProbeTargets::ProbeTargets(std::size_t count, int size, int mips) {
   }
 }
 
-CubemapView noise_cubemap(PixelFormat format, int size) {
-  const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  const std::byte* const pixels = noise_pixels(format, 6 * face_texels);
-  CubemapView view{.faces = {}, .size = size, .row_stride_bytes = 0, .format = format};
-  for (std::size_t face = 0; face < 6; ++face) view.faces[face] = pixels + face * face_texels * bytes_per_texel(format);
-  return view;
-}
+CubemapView noise_cubemap(PixelFormat format, int size) { return noise_cubemaps(format, size, 1, 1).front(); }
 
 LatLongView noise_lat_long(PixelFormat format, int width, int height) {
   const std::byte* const pixels =
@@ -108,34 +114,26 @@ LatLongView noise_lat_long(PixelFormat format, int width, int height) {
 }
 
 std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different) {
-  constexpr int kSize = 64;
-  constexpr PixelFormat kFormat = PixelFormat::rgba16f;
-  constexpr std::size_t kFaceTexels = std::size_t{kSize} * kSize;
-  const std::byte* const pixels = noise_pixels(kFormat, 6 * kFaceTexels * different);
-  std::vector<CubemapView> probes;
-  for (std::size_t k = 0; k < count; ++k) {
-    CubemapView probe{{}, kSize, 0, kFormat};
-    for (std::size_t face = 0; face < 6; ++face)
-      probe.faces[face] = pixels + (6 * (k % different) + face) * kFaceTexels * bytes_per_texel(kFormat);
-    probes.push_back(probe);
-  }
-  return probes;
+  return noise_cubemaps(PixelFormat::rgba16f, 64, count, different);
 }
 
-void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size, int threads,
-                   double texels, double bytes, const std::function<std::function<void()>()>& prepare) {
-  const std::string full_name = subject + "/" + variant + "/" + size + "/" + std::to_string(threads);
-  benchmark::RegisterBenchmark(full_name.c_str(), [=](benchmark::State& state) {
-    const std::function<void()> body = prepare();
-    run_with_threads(threads, [&] {
-      body();  // tables, pages and threads are warm
-      for (auto _ : state) body();
-    });
-    const auto iterations = static_cast<double>(state.iterations());
-    state.counters["bytes/s"] = benchmark::Counter(bytes * iterations, benchmark::Counter::kIsRate);
-    state.counters["s/texel"] =
-        benchmark::Counter(texels * iterations, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  })->UseRealTime();
+void add_benchmark(const std::string& subject, const std::string& variant, const std::string& size,
+                   std::span<const int> threads, double texels, double bytes,
+                   const std::function<std::function<void()>()>& prepare) {
+  for (const int count : threads) {
+    const std::string full_name = subject + "/" + variant + "/" + size + "/" + std::to_string(count);
+    benchmark::RegisterBenchmark(full_name.c_str(), [=](benchmark::State& state) {
+      const std::function<void()> body = prepare();
+      run_with_threads(count, [&] {
+        body();  // tables, pages and threads are warm
+        for (auto _ : state) body();
+      });
+      const auto iterations = static_cast<double>(state.iterations());
+      state.counters["bytes/s"] = benchmark::Counter(bytes * iterations, benchmark::Counter::kIsRate);
+      state.counters["s/texel"] =
+          benchmark::Counter(texels * iterations, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    })->UseRealTime();
+  }
 }
 
 std::shared_ptr<const LatLongImage> sky_picture(const SkyPictureOptions& options) {

@@ -73,10 +73,10 @@ std::vector<Measurement> measure(const PassContext& context) {
     const std::optional<std::vector<std::byte>> bytes = texture_bytes(chain, way.options);
     if (!bytes) continue;
     const CubemapTexture decoded = read_texture({*bytes, "chain.ktx2"});
-    const ErrorNorms errors = relative_errors(decoded.cubemap.pixels(), chain.pixels());
     const double seconds = context.stopwatch.seconds([&] { (void)texture_bytes(chain, way.options); });
-    all.push_back({"", way.format, setting_of(way, bytes->size(), chain), errors.rms, errors.maximum, seconds,
-                   "the floats that were encoded"});
+    all.push_back(measurement(way.format, setting_of(way, bytes->size(), chain),
+                              relative_errors(decoded.cubemap.pixels(), chain.pixels()), seconds,
+                              "the floats that were encoded"));
   }
   return all;
 }

@@ -185,8 +185,6 @@ double seconds_of(BrdfTableOptions options, const Stopwatch& stopwatch) {
   return fastest;
 }
 
-std::string size_words(int size) { return std::to_string(size) + " x " + std::to_string(size); }
-
 std::vector<Measurement> by_size(const PassContext& context, BrdfModel model) {
   const int fine = context.scale.table_truth;
   std::vector<int> sizes;
@@ -196,19 +194,14 @@ std::vector<Measurement> by_size(const PassContext& context, BrdfModel model) {
   for (const int size : sizes) {
     const BrdfTableOptions options{size, size, model, false};
     const ErrorNorms errors = errors_of(lookup(*brdf_table(options)), *truth);
-    all.push_back({"", "table", size_words(size), errors.rms, errors.maximum, seconds_of(options, context.stopwatch),
-                   kTableTruth});
+    all.push_back(
+        measurement("table", square_words(size), errors, seconds_of(options, context.stopwatch), kTableTruth));
     progress(context, all.size(), sizes.size() + 1);
   }
   if (model != BrdfModel::multiple_scattering) return all;
-  std::vector<PeerTable> peers = context.peers.brdf_table(sizes, context.folder, context.stopwatch);
-  for (PeerTable& peer : context.peers.table_in_process(sizes, context.folder, context.stopwatch))
-    peers.push_back(std::move(peer));
-  for (const PeerTable& peer : peers) {
-    const ErrorNorms errors = errors_of({peer.values.data(), peer.size, peer.size, 3}, *truth);
-    all.push_back(
-        {"", "table", size_words(peer.size), errors.rms, errors.maximum, peer.seconds, kTableTruth, peer.peer});
-  }
+  add_peers(all, context.peers.brdf_table(sizes), kTableTruth, [&](const PeerTable& found) {
+    return errors_of({found.values.data(), found.size, found.size, 3}, *truth);
+  });
   return all;
 }
 
@@ -224,6 +217,8 @@ PassRunner runner(const char* id, const char* title, const char* holds, BrdfMode
 }
 
 }  // namespace
+
+std::string square_words(int size) { return std::to_string(size) + " x " + std::to_string(size); }
 
 std::vector<PassRunner> brdf_passes() {
   return {runner("brdf-split-sum", "BRDF table, split sum", "scale and bias", BrdfModel::split_sum),

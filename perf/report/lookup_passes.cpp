@@ -1,4 +1,5 @@
 #include "image/geometry.h"
+#include "image/resampling.h"
 #include "perf/report/passes.h"
 #include "reflections/lookups.h"
 #include "welkin/environment_file.h"
@@ -7,26 +8,6 @@
 
 namespace welkin::report {
 namespace {
-
-glm::dvec3 value(const Cubemap& chain, int level, const image::CubeTexel& texel) {
-  const float* const rgb = chain.face(level, texel.face) + 3 * (texel.row * chain.level_size(level) + texel.column);
-  return {rgb[0], rgb[1], rgb[2]};
-}
-
-/// The texel may lie beside the face.
-glm::dvec3 texel_of(const Cubemap& chain, int level, const image::CubeTexel& wanted) {
-  const int size = chain.level_size(level);
-  const auto beyond = [&](const image::CubeTexel& texel) {
-    return value(chain, level, image::across_edge(size, texel));
-  };
-  const int column = std::clamp(wanted.column, 0, size - 1);
-  const int row = std::clamp(wanted.row, 0, size - 1);
-  if (column == wanted.column && row == wanted.row) return value(chain, level, wanted);
-  if (column == wanted.column || row == wanted.row) return beyond(wanted);
-  return (value(chain, level, {wanted.face, column, row}) + beyond({wanted.face, wanted.column, row}) +
-          beyond({wanted.face, column, wanted.row})) /
-         3.0;
-}
 
 /// A unit vector from two numbers in [0, 1).
 glm::dvec3 anywhere(double u, double v) {
@@ -93,18 +74,9 @@ class LightDirections {
 }  // namespace
 
 glm::dvec3 lookup(const Cubemap& chain, int level, const glm::dvec3& direction) {
-  const int size = chain.level_size(level);
-  const int face = image::face_of(direction);
-  const image::Frame& frame = image::face_frame(face);
-  const double depth = glm::dot(direction, frame.normal);
-  const double x = 0.5 * size * (1.0 + glm::dot(direction, frame.u) / depth) - 0.5;
-  const double y = 0.5 * size * (1.0 + glm::dot(direction, frame.v) / depth) - 0.5;
-  const int column = static_cast<int>(std::floor(x));
-  const int row = static_cast<int>(std::floor(y));
-  const double u = x - column;
-  const double v = y - row;
-  const auto texel = [&](int dx, int dy) { return texel_of(chain, level, {face, column + dx, row + dy}); };
-  return (1.0 - v) * ((1.0 - u) * texel(0, 0) + u * texel(1, 0)) + v * ((1.0 - u) * texel(0, 1) + u * texel(1, 1));
+  glm::dvec3 light(0.0);
+  image::CubemapSampler(chain.view(level)).add(direction, 1.0, light);
+  return light;
 }
 
 glm::dvec3 lookup(const Cubemap& chain, double level, const glm::dvec3& direction) {
@@ -183,22 +155,14 @@ std::vector<Measurement> from_file(const PassContext& context) {
     if (chain.fitted) options.lobe_roughness = fitted_mip_roughness(chain.schedule, mips, size);
     for (const double bound : kBounds) {
       options.rms_error = bound;
-      Cubemap result;
-      const double seconds = context.stopwatch.seconds(
-          [&] { result = prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; });
-      const ErrorNorms errors = truth.errors(result, chain.schedule);
-      all.push_back({"", chain.method, words_of(mips, bound), errors.rms, errors.maximum, seconds, kTruth});
+      const auto call = [&] { return prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; };
+      all.push_back(measured(chain.method, words_of(mips, bound), context.stopwatch, kTruth, call,
+                             [&](const Cubemap& found) { return truth.errors(found, chain.schedule); }));
     }
   }
   progress(context, 2, 3);
-  std::vector<PeerChain> peers =
-      context.peers.prefilter_file(context.file, size, kSamples, context.folder, context.stopwatch);
-  for (PeerChain& peer : context.peers.prefilter_by_webgl(context.file, size, context.folder))
-    peers.push_back(std::move(peer));
-  for (const PeerChain& peer : peers) {
-    const ErrorNorms errors = truth.errors(peer.cubemap, peer.schedule);
-    all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
-  }
+  add_peers(all, context.peers.prefilter_file(context.file, size, kSamples), kTruth,
+            [&](const PeerChain& found) { return truth.errors(found.cubemap, found.schedule); });
   return all;
 }
 

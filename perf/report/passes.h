@@ -14,37 +14,56 @@
 
 namespace welkin::report {
 
-/// Coefficients of radiance in Welkin's convention.
-struct PeerProjection {
+/// Returns a measurement whose pass is still to be named.
+[[nodiscard]] Measurement measurement(const std::string& method, const std::string& setting, const ErrorNorms& errors,
+                                      double seconds, const std::string& truth, const std::string& peer = "");
+
+/// Times `call`, and measures what it returns by `errors_of`.
+template <typename Call, typename ErrorsOf>
+[[nodiscard]] Measurement measured(const std::string& method, const std::string& setting, const Stopwatch& stopwatch,
+                                   const std::string& truth, const Call& call, const ErrorsOf& errors_of) {
+  std::invoke_result_t<Call> result;
+  const double seconds = stopwatch.seconds([&] { result = call(); });
+  return measurement(method, setting, errors_of(result), seconds, truth);
+}
+
+/// What another program made.
+template <typename Result>
+struct PeerResult {
   std::string peer;    ///< name and version
   std::string method;  ///< what was called
-  int target = 0;      ///< 0: full size
-  SphericalHarmonics radiance{3};
-  double seconds = 0.0;
+  std::string setting;
+  Result result;
+  double seconds = 0.0;  ///< NaN: drawn by no graphics card, so that its time says nothing
 };
 
+/// Adds the measurements of what other programs made.
+template <typename Result, typename ErrorsOf>
+void add_peers(std::vector<Measurement>& all, const std::vector<PeerResult<Result>>& peers, const std::string& truth,
+               const ErrorsOf& errors_of) {
+  for (const PeerResult<Result>& one : peers) {
+    all.push_back(measurement(one.method, one.setting, errors_of(one.result), one.seconds, truth, one.peer));
+  }
+}
+
+/// Coefficients of radiance in Welkin's convention, three bands.
+using PeerProjections = std::vector<PeerResult<SphericalHarmonics>>;
+
 struct PeerChain {
-  std::string peer;
-  std::string method;  ///< what was called
-  std::string setting;
   Cubemap cubemap;             ///< in Welkin's axes
   RoughnessSchedule schedule;  ///< its roughness, and the formula that the peer's shaders read it by
-  double seconds = 0.0;        ///< NaN: drawn by no graphics card, so that its time says nothing
 };
+using PeerChains = std::vector<PeerResult<PeerChain>>;
+
+struct PeerTable {
+  int size = 0;
+  std::vector<float> values;  ///< size x size x 3: along N.V, row 0 at the lowest roughness
+};
+using PeerTables = std::vector<PeerResult<PeerTable>>;
 
 /// Returns a chain in Welkin's axes. `faces`: takes a direction in these to the one in the frames of `CubemapView`'s
 /// faces under which `chain` holds it; a signed permutation.
 [[nodiscard]] Cubemap from_axes(const Cubemap& chain, const dmat3& faces);
-
-struct PeerTable {
-  std::string peer;
-  int size = 0;
-  std::vector<float> values;  ///< size x size x 3: along N.V, row 0 at the lowest roughness
-  double seconds = 0.0;
-};
-
-/// Returns a table's RGB rows in the opposite order: Filament's has the roughest on top, as OpenGL counts.
-[[nodiscard]] std::vector<float> rows_from_below(const float* rgb, int size);
 
 /// Filament's cmgen (Debian package libfilament-tools) on the PATH, and its libs/ibl in the program judge_filament_ibl
 /// (judges/, Debian package libfilament-dev), beside welkin-report or on the PATH; Babylon.js and three.js in Node.js,
@@ -60,47 +79,39 @@ class Peers {
   /// None at all.
   Peers() = default;
 
-  /// `programs`: welkin-report's folder, or empty. `threads`: of the stopwatch. `node_modules`: where @babylonjs/core
-  /// and three are installed (the folder that holds node_modules); empty: they are left out.
-  static Peers find(const std::filesystem::path& node_modules, const std::filesystem::path& programs, int threads);
+  /// `programs`: welkin-report's folder, or empty. `node_modules`: where @babylonjs/core and three are installed (the
+  /// folder that holds node_modules); empty: they are left out. `folder`: for what is handed over.
+  static Peers find(const std::filesystem::path& node_modules, const std::filesystem::path& programs,
+                    const std::filesystem::path& folder, const Stopwatch& stopwatch);
 
   [[nodiscard]] const std::vector<std::string>& notes() const noexcept { return notes_; }
 
-  [[nodiscard]] std::vector<PeerProjection> project(const Cubemap& cube, const std::vector<int>& targets,
-                                                    const std::filesystem::path& folder,
-                                                    const Stopwatch& stopwatch) const;
-  [[nodiscard]] std::vector<PeerProjection> project_file(const std::filesystem::path& file,
-                                                         const std::filesystem::path& folder,
-                                                         const Stopwatch& stopwatch) const;
-  /// cmgen's specular chain from `size` down to 16, its roughness spread as `RoughnessSchedule::filament`.
-  [[nodiscard]] std::vector<PeerChain> prefilter_file(const std::filesystem::path& file, int size,
-                                                      std::span<const int> samples, const std::filesystem::path& folder,
-                                                      const Stopwatch& stopwatch) const;
-  /// The specular chains that Babylon.js (from `size` down to 1) and three.js (from a quarter of the file's width, at
-  /// least 256, down to 8) make by WebGL in Chromium, whose software draws: no graphics card is asked for. Cost: about
-  /// a minute; a later call with the same folder reads what the first one made.
-  [[nodiscard]] std::vector<PeerChain> prefilter_by_webgl(const std::filesystem::path& file, int size,
-                                                          const std::filesystem::path& folder) const;
-  /// The DFG table of `BrdfModel::multiple_scattering`.
-  [[nodiscard]] std::vector<PeerTable> brdf_table(std::span<const int> sizes, const std::filesystem::path& folder,
-                                                  const Stopwatch& stopwatch) const;
-  /// Filament's libs/ibl: three bands of a cubemap of floats, chains of it by `RoughnessSchedule::filament`, and the
-  /// DFG table.
-  [[nodiscard]] std::vector<PeerProjection> project_in_process(const CubemapView& cube,
-                                                               const std::filesystem::path& folder,
-                                                               const Stopwatch& stopwatch) const;
-  [[nodiscard]] std::vector<PeerChain> prefilter_in_process(const CubemapView& cube, int mips,
-                                                            std::span<const int> samples,
-                                                            const std::filesystem::path& folder,
-                                                            const Stopwatch& stopwatch) const;
-  [[nodiscard]] std::vector<PeerTable> table_in_process(std::span<const int> sizes, const std::filesystem::path& folder,
-                                                        const Stopwatch& stopwatch) const;
+  /// Of Babylon.js and three.js, of a cubemap reduced to each target (0: full size) where they can; of libs/ibl.
+  [[nodiscard]] PeerProjections project(const Cubemap& cube, const std::vector<int>& targets) const;
+  /// Of cmgen.
+  [[nodiscard]] PeerProjections project_file(const std::filesystem::path& file) const;
+  /// cmgen's specular chain from `size` down to 16, its roughness spread as `RoughnessSchedule::filament`. Those that
+  /// Babylon.js (from `size` down to 1) and three.js (from a quarter of the file's width, at least 256, down to 8) make
+  /// by WebGL in Chromium, whose software draws: no graphics card is asked for. Cost of these: about a minute; a later
+  /// call reads what the first one made.
+  [[nodiscard]] PeerChains prefilter_file(const std::filesystem::path& file, int size,
+                                          std::span<const int> samples) const;
+  /// libs/ibl's chains of a cubemap of floats by `RoughnessSchedule::filament`.
+  [[nodiscard]] PeerChains prefilter_cube(const CubemapView& cube, int mips, std::span<const int> samples) const;
+  /// The DFG table of `BrdfModel::multiple_scattering`, of cmgen and of libs/ibl.
+  [[nodiscard]] PeerTables brdf_table(std::span<const int> sizes) const;
 
  private:
+  /// Times cmgen with these arguments, and adds what `read` makes of its files, which may throw `Error`.
+  template <typename Result>
+  void ask_cmgen(const std::vector<std::string>& words, const char* method, const std::string& setting,
+                 const std::function<Result()>& read, std::vector<PeerResult<Result>>& found) const;
   /// Returns the output of judge_filament_ibl; nothing where it is missing or fails.
-  [[nodiscard]] std::vector<double> ask_filament(std::vector<std::string> words,
-                                                 const std::filesystem::path& folder) const;
+  [[nodiscard]] std::vector<double> ask_filament(std::vector<std::string> words) const;
+  void add_webgl(const std::filesystem::path& file, int size, PeerChains& found) const;
 
+  std::filesystem::path folder_;
+  Stopwatch stopwatch_;
   std::optional<std::string> filament_;  ///< the program
   std::optional<std::string> cmgen_;     ///< "cmgen 1.9.25" or as the package has it
   std::optional<std::string> node_;      ///< the program
@@ -208,20 +219,11 @@ struct PassRunner {
 /// Tells the context how far the pass has come. Throws `Error` (cancelled).
 void progress(const PassContext& context, std::size_t done, std::size_t of);
 
-/// One way to a smaller size.
-struct ProjectionWay {
-  const char* name;
-  Quadrature quadrature;
-  bool from_chain;  ///< of plain boxes of four, as engines make them
-};
+/// "target 64"; "full size" of 0.
+[[nodiscard]] std::string target_words(int target);
 
-[[nodiscard]] std::span<const ProjectionWay> projection_ways() noexcept;
-
-/// Three bands of `chain`'s level 0 by each way at each target (0: full size), way after way: `method` is the way's
-/// name, `setting` "target 64" or "full size". Peers are not among them.
-[[nodiscard]] std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<const int> targets,
-                                                             const SphericalHarmonics& truth,
-                                                             const Stopwatch& stopwatch);
+/// "64 x 64"
+[[nodiscard]] std::string square_words(int size);
 
 [[nodiscard]] std::vector<PassRunner> projection_passes();
 
@@ -258,33 +260,20 @@ struct BlockWay {
 /// "32 x 64 x 8 x 32": heights, views, full tables' angles, suns.
 [[nodiscard]] std::string size_words(const SkyTableOptions& options);
 
-/// A quadrature at some size.
-struct SkySetting {
-  std::string name;        ///< of the quadrature
-  std::string setting;     ///< zeniths x azimuths
-  std::string directions;  ///< that it stands for: both sides of the sun
-  SkyHarmonicsOptions options;
-};
-
-/// From coarse to fine.
-[[nodiscard]] std::vector<SkySetting> sky_settings();
-
 /// Writes the nine coefficients for a sun.
 using ProjectSky = std::function<void(const glm::dvec3& sun, SphericalHarmonics& light)>;
 
 struct SkyMethod {
-  std::string name, setting, directions;
+  std::string name;        ///< of the quadrature, or "curve"
+  std::string setting;     ///< zeniths x azimuths, or elevations
+  std::string directions;  ///< that a quadrature stands for: both sides of the sun
   ProjectSky project;
 };
 
-/// The settings and the curves of 64, 256 and 1024 elevations, of a view.
+/// Quadratures from coarse to fine, and the curves of 64, 256 and 1024 elevations, of a view.
 [[nodiscard]] std::vector<SkyMethod> sky_methods(const SkyView& view);
 
-/// Seconds of an update by a method, over suns that climb.
-[[nodiscard]] double seconds_of(const ProjectSky& project, const Stopwatch& stopwatch);
-
-/// Singly scattered light of the Earth on black ground at sea level by each method: over the elevations, against
-/// `truths`.
+/// Singly scattered light of the Earth on black ground by each method: over the elevations, against `truths`.
 [[nodiscard]] std::vector<Measurement> sky_by_method(const std::vector<SkyMethod>& methods,
                                                      const std::vector<double>& elevations,
                                                      const std::vector<SphericalHarmonics>& truths,

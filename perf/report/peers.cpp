@@ -11,15 +11,31 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSmallestMip = 16;
+constexpr int kSmallestMip = 16;  // of cmgen's chains
+constexpr const char* kFilament = "libs/ibl 1.9.25";
+constexpr const char* kTable = "table";  // as Welkin's own are called
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Fills `values` with a file's floats; false if it has fewer.
+bool read_floats(const std::filesystem::path& file, float* values, std::size_t bytes) {
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(values), static_cast<std::streamsize>(bytes));
+  return static_cast<std::size_t>(stream.gcount()) == bytes;
+}
+
+std::string write_floats(const std::filesystem::path& file, const CubemapView& cube) {
+  std::ofstream stream(file, std::ios::binary);
+  for (const void* const face : cube.faces)
+    stream.write(static_cast<const char*>(face), std::streamsize{12} * cube.size * cube.size);
+  return file.string();
+}
+
 /// Nine lines of "( r, g, b); // L00" as cmgen writes them, odd orders with the other sign.
-std::optional<SphericalHarmonics> harmonics_of_cmgen(const std::string& text) {
+SphericalHarmonics harmonics_of_cmgen(const std::string& text) {
   SphericalHarmonics radiance(3);
   std::string numbers = text;
   std::replace_if(
@@ -29,10 +45,11 @@ std::optional<SphericalHarmonics> harmonics_of_cmgen(const std::string& text) {
   for (std::string line; std::getline(lines, line) && count < 9; ++count) {
     std::istringstream words(line);
     glm::dvec3& rgb = radiance.coefficients()[count];
-    if (!(words >> rgb.r >> rgb.g >> rgb.b)) return std::nullopt;
+    if (!(words >> rgb.r >> rgb.g >> rgb.b)) break;
     if (count % 2 == 1) rgb = -rgb;  // indices of odd orders are the odd ones here: 1, 3, 5, 7
   }
-  return count == 9 ? std::optional(radiance) : std::nullopt;
+  if (count < 9) throw Error(ErrorCode::corrupt_file, "fewer than nine coefficients");
+  return radiance;
 }
 
 /// Debian's package knows its version, the program does not tell.
@@ -44,12 +61,12 @@ std::string cmgen_name(const std::filesystem::path& folder) {
   return version.empty() ? "cmgen" : "cmgen " + version.substr(0, version.find_first_of("+-"));
 }
 
-PeerProjection projection_from(const Json& one) {
-  PeerProjection projection{one.at("peer"), one.at("method"), one.at("target"), SphericalHarmonics(3),
-                            one.at("seconds")};
+PeerResult<SphericalHarmonics> projection_from(const Json& one) {
+  PeerResult<SphericalHarmonics> projection{one.at("peer"), one.at("method"), target_words(one.at("target")),
+                                            SphericalHarmonics(3), one.at("seconds")};
   for (std::size_t k = 0; k < 9; ++k) {
     for (int c = 0; c < 3; ++c) {
-      projection.radiance.coefficients()[k][c] = one.at("radiance").at(k).at(static_cast<std::size_t>(c)).get<double>();
+      projection.result.coefficients()[k][c] = one.at("radiance").at(k).at(static_cast<std::size_t>(c)).get<double>();
     }
   }
   return projection;
@@ -72,39 +89,32 @@ Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
 }
 
 /// The chain that webgl_peers.mjs wrote and said this of.
-PeerChain webgl_chain(const Json& said, const std::filesystem::path& folder) {
+PeerResult<PeerChain> webgl_chain(const Json& said, const std::filesystem::path& folder) {
   const bool is_three = said.at("engine") == "three";
   Cubemap chain(said.at("size").get<int>(), said.at("mips").get<int>());
-  const std::string bytes = text_of(folder / (said.at("engine").get<std::string>() + ".f32"));
-  std::size_t at = 0;
-  for (int level = 0; level < chain.levels(); ++level) {
-    const auto level_bytes = std::size_t{18} * sizeof(float) * static_cast<std::size_t>(chain.level_size(level)) *
-                             static_cast<std::size_t>(chain.level_size(level));
-    if (bytes.size() - at < level_bytes) throw Error(ErrorCode::corrupt_file, "fewer texels than it said");
-    std::copy_n(bytes.data() + at, level_bytes, reinterpret_cast<char*>(chain.face(level, 0)));
-    at += level_bytes;
-  }
+  if (!read_floats(folder / (said.at("engine").get<std::string>() + ".f32"), chain.face(0, 0), chain.bytes()))
+    throw Error(ErrorCode::corrupt_file, "fewer texels than it said");
   const Convention& engine = convention(is_three ? Engine::three : Engine::babylon);
   // three.js mirrors cubemaps that are loaded; what it draws itself it reads as it is.
   const dmat3 faces = is_three ? engine.from_welkin : *engine.faces_from_engine * engine.from_welkin;
   return {said.at("version"),
           is_three ? "PMREMGenerator" : "HDRFiltering",
           std::to_string(chain.level_size(0)) + " texels, " + std::to_string(chain.levels()) + " mips",
-          from_axes(chain, faces),
-          is_three ? RoughnessSchedule::filament : RoughnessSchedule::babylon,
+          {from_axes(chain, faces), is_three ? RoughnessSchedule::filament : RoughnessSchedule::babylon},
           std::numeric_limits<double>::quiet_NaN()};
 }
 
-}  // namespace
-
-std::vector<float> rows_from_below(const float* rgb, int size) {
+/// Returns a table's RGB rows in the opposite order: Filament's has the roughest on top, as OpenGL counts.
+PeerTable rows_from_below(const float* rgb, int size) {
   const std::ptrdiff_t row_values = std::ptrdiff_t{3} * size;
-  std::vector<float> rotated;
+  PeerTable rotated{size, {}};
   for (int row = size - 1; row >= 0; --row) {
-    rotated.insert(rotated.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
+    rotated.values.insert(rotated.values.end(), rgb + row * row_values, rgb + (row + 1) * row_values);
   }
   return rotated;
 }
+
+}  // namespace
 
 Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
   Cubemap result(chain.level_size(0), chain.levels());
@@ -124,20 +134,23 @@ Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
   return result;
 }
 
-Peers Peers::find(const std::filesystem::path& node_modules, const std::filesystem::path& programs, int threads) {
+Peers Peers::find(const std::filesystem::path& node_modules, const std::filesystem::path& programs,
+                  const std::filesystem::path& folder, const Stopwatch& stopwatch) {
   Peers peers;
+  peers.folder_ = folder;
+  peers.stopwatch_ = stopwatch;
   if (on_path("cmgen")) {
-    peers.cmgen_ = "cmgen";
+    peers.cmgen_ = cmgen_name(folder);
   } else {
     peers.notes_.emplace_back("Filament's cmgen is not on this machine (Debian: libfilament-tools): left out.");
   }
-  constexpr const char* kFilament = "judge_filament_ibl";
-  if (threads > 1) {
+  constexpr const char* kProgram = "judge_filament_ibl";
+  if (stopwatch.threads > 1) {
     peers.notes_.emplace_back("Filament's libs/ibl is measured with one thread alone: left out.");
-  } else if (!programs.empty() && std::filesystem::exists(programs / kFilament)) {
-    peers.filament_ = (programs / kFilament).string();
-  } else if (on_path(kFilament)) {
-    peers.filament_ = kFilament;
+  } else if (!programs.empty() && std::filesystem::exists(programs / kProgram)) {
+    peers.filament_ = (programs / kProgram).string();
+  } else if (on_path(kProgram)) {
+    peers.filament_ = kProgram;
   } else {
     peers.notes_.emplace_back(
         "Filament's libs/ibl is not in a program here (Debian: libfilament-dev; target judge_filament_ibl): left out.");
@@ -159,123 +172,160 @@ Peers Peers::find(const std::filesystem::path& node_modules, const std::filesyst
   return peers;
 }
 
-std::vector<PeerProjection> Peers::project(const Cubemap& cube, const std::vector<int>& targets,
-                                           const std::filesystem::path& folder, const Stopwatch& stopwatch) const {
-  if (!node_) return {};
-  std::ofstream(folder / "cube.f32", std::ios::binary)
-      .write(reinterpret_cast<const char*>(cube.face(0)), static_cast<std::streamsize>(cube.bytes()));
-  std::ofstream(folder / "peers.mjs") << tool::embedded_text("peers.mjs");
-  const Json wanted{{"modules", node_modules_.string()},
-                    {"cube", (folder / "cube.f32").string()},
-                    {"size", cube.size()},
-                    {"targets", targets},
-                    {"budget", 4.0 * stopwatch.budget_seconds},
-                    {"processor", stopwatch.clock() == Clock::processor}};
-  std::ofstream(folder / "peers.json") << wanted;
-  const std::filesystem::path output = folder / "peers_found.json";
-  const ProcessResult result = run_process({*node_, (folder / "peers.mjs").string(), (folder / "peers.json").string()},
-                                           stopwatch.threads, stopwatch.clock(), output);
-  if (result.exit_code != 0) return {};
-  std::vector<PeerProjection> found;
-  try {
-    for (const Json& one : Json::parse(text_of(output))) found.push_back(projection_from(one));
-  } catch (const Json::exception&) {
-    return {};
-  }
-  return found;
-}
-
-std::vector<PeerProjection> Peers::project_file(const std::filesystem::path& file, const std::filesystem::path& folder,
-                                                const Stopwatch& stopwatch) const {
-  std::vector<PeerProjection> found;
-  if (!cmgen_) return found;
-  const std::string peer = cmgen_name(folder);
-  for (const int size : {64, 256}) {
-    const std::filesystem::path output = folder / ("cmgen_" + std::to_string(size) + ".txt");
-    const std::vector<std::string> arguments{
-        *cmgen_,      "-q", "--sh=3", "-w", "no", "--size=" + std::to_string(size), "--sh-output=" + output.string(),
-        file.string()};
-    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
-    if (!seconds) continue;
-    const std::optional<SphericalHarmonics> radiance = harmonics_of_cmgen(text_of(output));
-    if (radiance) found.push_back({peer, "--sh", size, *radiance, *seconds});
-  }
-  return found;
-}
-
-std::vector<PeerChain> Peers::prefilter_file(const std::filesystem::path& file, int size, std::span<const int> samples,
-                                             const std::filesystem::path& folder, const Stopwatch& stopwatch) const {
-  std::vector<PeerChain> found;
-  if (!cmgen_) return found;
-  const std::string peer = cmgen_name(folder);
-  const int levels = full_chain_levels(size) - full_chain_levels(kSmallestMip) + 1;
-  for (const int count : samples) {
-    const std::filesystem::path output = folder / ("cmgen_" + std::to_string(count));
-    const std::vector<std::string> arguments{*cmgen_,
-                                             "-q",
-                                             "-f",
-                                             "exr",
-                                             "--size=" + std::to_string(size),
-                                             "--ibl-samples=" + std::to_string(count),
-                                             "--ibl-ld=" + output.string(),
-                                             file.string()};
-    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
-    if (!seconds) continue;
-    try {
-      found.push_back({peer, "importance sampling", std::to_string(count) + " samples",
-                       read_levels(output / file.stem(), size, levels), RoughnessSchedule::filament, *seconds});
-    } catch (const Error&) {
-      continue;  // it wrote something else
+PeerProjections Peers::project(const Cubemap& cube, const std::vector<int>& targets) const {
+  PeerProjections found;
+  if (node_) {
+    std::ofstream(folder_ / "peers.mjs") << tool::embedded_text("peers.mjs");
+    std::ofstream(folder_ / "peers.json") << Json{{"modules", node_modules_.string()},
+                                                  {"cube", write_floats(folder_ / "cube.f32", cube.view())},
+                                                  {"size", cube.size()},
+                                                  {"targets", targets},
+                                                  {"budget", 4.0 * stopwatch_.budget_seconds},
+                                                  {"processor", stopwatch_.clock() == Clock::processor}};
+    const std::filesystem::path output = folder_ / "peers_found.json";
+    const std::vector<std::string> arguments{*node_, (folder_ / "peers.mjs").string(),
+                                             (folder_ / "peers.json").string()};
+    if (run_process(arguments, stopwatch_.threads, stopwatch_.clock(), output).exit_code == 0) {
+      try {
+        for (const Json& one : Json::parse(text_of(output))) found.push_back(projection_from(one));
+      } catch (const Json::exception&) {
+        found.clear();
+      }
     }
   }
+  const std::vector<double> said =
+      ask_filament({"--harmonics", write_floats(folder_ / "filament.f32", cube.view()), std::to_string(cube.size()),
+                    std::to_string(stopwatch_.budget_seconds)});
+  if (said.size() != 28) return found;
+  SphericalHarmonics radiance(3);
+  for (std::size_t k = 0; k < 9; ++k) {
+    const double sign = k % 2 == 1 ? -1.0 : 1.0;  // its odd orders, which are the odd indices here
+    radiance.coefficients()[k] = sign * glm::dvec3(said[3 * k + 1], said[3 * k + 2], said[3 * k + 3]);
+  }
+  found.push_back({kFilament, "computeSH", target_words(0), radiance, said[0]});
   return found;
 }
 
-std::vector<PeerChain> Peers::prefilter_by_webgl(const std::filesystem::path& file, int size,
-                                                 const std::filesystem::path& folder) const {
-  if (!browser_) return {};
-  const std::filesystem::path output = folder / "webgl_found.json";
+template <typename Result>
+void Peers::ask_cmgen(const std::vector<std::string>& words, const char* method, const std::string& setting,
+                      const std::function<Result()>& read, std::vector<PeerResult<Result>>& found) const {
+  std::vector<std::string> arguments{"cmgen", "-q"};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  const std::optional<double> seconds = cmgen_ ? process_seconds(arguments, stopwatch_) : std::nullopt;
+  if (!seconds) return;
+  try {
+    found.push_back({*cmgen_, method, setting, read(), *seconds});
+  } catch (const Error&) {
+    return;  // it wrote something else
+  }
+}
+
+std::vector<double> Peers::ask_filament(std::vector<std::string> words) const {
+  std::vector<double> numbers;
+  if (!filament_) return numbers;
+  words.insert(words.begin(), *filament_);
+  const std::filesystem::path output = folder_ / "filament_found.txt";
+  if (run_process(words, 0, Clock::wall, output).exit_code != 0) return numbers;
+  std::ifstream said(output);
+  for (double number = 0.0; said >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+PeerProjections Peers::project_file(const std::filesystem::path& file) const {
+  PeerProjections found;
+  for (const int size : {64, 256}) {
+    const std::filesystem::path output = folder_ / ("cmgen_" + std::to_string(size) + ".txt");
+    ask_cmgen<SphericalHarmonics>(
+        {"--sh=3", "-w", "no", "--size=" + std::to_string(size), "--sh-output=" + output.string(), file.string()},
+        "--sh", "cube of " + std::to_string(size), [&] { return harmonics_of_cmgen(text_of(output)); }, found);
+  }
+  return found;
+}
+
+PeerChains Peers::prefilter_file(const std::filesystem::path& file, int size, std::span<const int> samples) const {
+  PeerChains found;
+  const int levels = full_chain_levels(size) - full_chain_levels(kSmallestMip) + 1;
+  for (const int count : samples) {
+    const std::filesystem::path output = folder_ / ("cmgen_" + std::to_string(count));
+    ask_cmgen<PeerChain>(
+        {"-f", "exr", "--size=" + std::to_string(size), "--ibl-samples=" + std::to_string(count),
+         "--ibl-ld=" + output.string(), file.string()},
+        "importance sampling", std::to_string(count) + " samples",
+        [&] {
+          return PeerChain{read_levels(output / file.stem(), size, levels), RoughnessSchedule::filament};
+        },
+        found);
+  }
+  add_webgl(file, size, found);
+  return found;
+}
+
+void Peers::add_webgl(const std::filesystem::path& file, int size, PeerChains& found) const {
+  if (!browser_) return;
+  const std::filesystem::path output = folder_ / "webgl_found.json";
   if (!std::filesystem::exists(output)) {
-    std::ofstream(folder / "webgl_peers.mjs") << tool::embedded_text("webgl_peers.mjs");
-    std::ofstream(folder / "webgl_peers.json") << Json{{"modules", node_modules_.string()},
-                                                       {"browser", *browser_},
-                                                       {"picture", std::filesystem::absolute(file).string()},
-                                                       {"size", size},
-                                                       {"folder", folder.string()}};
-    (void)run_process({*node_, (folder / "webgl_peers.mjs").string(), (folder / "webgl_peers.json").string()}, 0,
+    std::ofstream(folder_ / "webgl_peers.mjs") << tool::embedded_text("webgl_peers.mjs");
+    std::ofstream(folder_ / "webgl_peers.json") << Json{{"modules", node_modules_.string()},
+                                                        {"browser", *browser_},
+                                                        {"picture", std::filesystem::absolute(file).string()},
+                                                        {"size", size},
+                                                        {"folder", folder_.string()}};
+    (void)run_process({*node_, (folder_ / "webgl_peers.mjs").string(), (folder_ / "webgl_peers.json").string()}, 0,
                       Clock::wall, output);
   }
-  std::vector<PeerChain> found;
+  PeerChains chains;
   try {
-    for (const Json& one : Json::parse(text_of(output))) found.push_back(webgl_chain(one, folder));
+    for (const Json& one : Json::parse(text_of(output))) chains.push_back(webgl_chain(one, folder_));
   } catch (const Json::exception&) {
-    return {};
+    return;
   } catch (const Error&) {
-    return {};
+    return;
+  }
+  std::move(chains.begin(), chains.end(), std::back_inserter(found));
+}
+
+PeerChains Peers::prefilter_cube(const CubemapView& cube, int mips, std::span<const int> samples) const {
+  std::vector<std::string> words{"--chain",
+                                 write_floats(folder_ / "filament.f32", cube),
+                                 std::to_string(cube.size),
+                                 std::to_string(mips),
+                                 std::to_string(stopwatch_.budget_seconds),
+                                 folder_.string()};
+  for (const int count : samples) words.push_back(std::to_string(count));
+  const std::vector<double> said = ask_filament(words);
+  PeerChains found;
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    const std::string count = std::to_string(samples[i]);
+    Cubemap chain(cube.size, mips);
+    if (!read_floats(folder_ / ("filament_" + count + ".f32"), chain.face(0, 0), chain.bytes())) continue;
+    found.push_back(
+        {kFilament, "roughnessFilter", count + " samples", {std::move(chain), RoughnessSchedule::filament}, said[i]});
   }
   return found;
 }
 
-std::vector<PeerTable> Peers::brdf_table(std::span<const int> sizes, const std::filesystem::path& folder,
-                                         const Stopwatch& stopwatch) const {
-  std::vector<PeerTable> found;
-  if (!cmgen_) return found;
-  const std::string peer = cmgen_name(folder);
+PeerTables Peers::brdf_table(std::span<const int> sizes) const {
+  PeerTables found;
   for (const int size : sizes) {
-    const std::filesystem::path output = folder / ("dfg_" + std::to_string(size) + ".exr");
-    const std::vector<std::string> arguments{*cmgen_, "-q", "--size=" + std::to_string(size), "--ibl-dfg-multiscatter",
-                                             "--ibl-dfg=" + output.string()};
-    const std::optional<double> seconds = process_seconds(arguments, stopwatch);
-    if (!seconds) continue;
-    try {
+    const std::filesystem::path output = folder_ / ("dfg_" + std::to_string(size) + ".exr");
+    const auto read = [&] {
       ReadOptions options;
       options.layout = Layout::lat_long;  // any picture will do
       const Environment picture = read_environment(output, options);
-      if (picture.info.width != size || picture.info.height != size) continue;
-      found.push_back({peer, size, rows_from_below(picture.pixels.get(), size), *seconds});
-    } catch (const Error&) {
-      continue;
-    }
+      if (picture.info.width != size || picture.info.height != size)
+        throw Error(ErrorCode::corrupt_file, "another size than requested");
+      return rows_from_below(picture.pixels.get(), size);
+    };
+    ask_cmgen<PeerTable>({"--size=" + std::to_string(size), "--ibl-dfg-multiscatter", "--ibl-dfg=" + output.string()},
+                         kTable, square_words(size), read, found);
+  }
+  for (const int size : sizes) {
+    const std::filesystem::path file = folder_ / "filament_table.f32";
+    const std::vector<double> said =
+        ask_filament({"--table", std::to_string(size), std::to_string(stopwatch_.budget_seconds), file.string()});
+    std::vector<float> values(std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+    if (said.size() == 1 && read_floats(file, values.data(), values.size() * sizeof(float)))
+      found.push_back({kFilament, kTable, square_words(size), rows_from_below(values.data(), size), said[0]});
   }
   return found;
 }

@@ -93,8 +93,7 @@ class ChainTruth {
         std::copy_n(&truth.x, 3, like.face(level, 0) + 3 * mip.probes[k].texel);
       }
     }
-    const ErrorNorms errors = this->errors(like, roughness);
-    return {"", "the integral in double", "reference", errors.rms, errors.maximum, seconds, kTruth};
+    return measurement("the integral in double", "reference", errors(like, roughness), seconds, kTruth);
   }
 
  private:
@@ -132,11 +131,9 @@ std::vector<Measurement> by_bound(const Stopwatch& stopwatch, ChainTruth& truth,
     try {
       PrefilterOptions options = shape;
       options.rms_error = bound;
-      Cubemap result;
-      const double seconds = stopwatch.seconds([&] { result = call(options); });
-      const ErrorNorms errors = truth.errors(result, options.roughness);
-      all.push_back(
-          {"", name(PrefilterMethod::automatic), bound_words(bound), errors.rms, errors.maximum, seconds, kTruth});
+      all.push_back(measured(
+          name(PrefilterMethod::automatic), bound_words(bound), stopwatch, kTruth, [&] { return call(options); },
+          [&](const Cubemap& found) { return truth.errors(found, options.roughness); }));
     } catch (const Error& error) {
       if (error.code() != ErrorCode::limit_exceeded) throw;
     }
@@ -148,11 +145,11 @@ std::vector<Measurement> by_samples(const PassContext& context, ChainTruth& trut
   std::vector<Measurement> all;
   const LatLongView source = context.environment.image.view();
   for (const int samples : sample_counts(context.scale.most_samples)) {
-    Cubemap result;
-    const double seconds =
-        context.stopwatch.seconds([&] { result = importance_sampled(source, shape.size, shape.roughness, samples); });
-    const ErrorNorms errors = truth.errors(result, shape.roughness);
-    all.push_back({"", kSampling, sample_words(samples), errors.rms, errors.maximum, seconds, kTruth, kSamplingPeer});
+    all.push_back(measured(
+        kSampling, sample_words(samples), context.stopwatch, kTruth,
+        [&] { return importance_sampled(source, shape.size, shape.roughness, samples); },
+        [&](const Cubemap& found) { return truth.errors(found, shape.roughness); }));
+    all.back().peer = kSamplingPeer;
   }
   return all;
 }
@@ -225,20 +222,16 @@ std::vector<Measurement> chain(const PassContext& context, const std::string& pa
   all.push_back(truth.reference(shape, context.stopwatch));
   progress(context, 2, 3);
   const std::vector<int> samples = sample_counts(std::min(context.scale.most_samples, 1024));
-  std::vector<PeerChain> peers;
+  const auto errors_of = [&](const PeerChain& found) {
+    const Cubemap& chain = found.cubemap;
+    return truth.errors(chain, mip_roughness(found.schedule, chain.levels(), chain.level_size(0)));
+  };
   if (pass == kFromFile) {
-    peers = context.peers.prefilter_file(file, shape.size, samples, context.folder, context.stopwatch);
-    for (PeerChain& peer : context.peers.prefilter_by_webgl(file, shape.size, context.folder))
-      peers.push_back(std::move(peer));
+    add_peers(all, context.peers.prefilter_file(file, shape.size, samples), kTruth, errors_of);
   } else {
     const Environment cube = read_environment(file);
-    peers = context.peers.prefilter_in_process(cube.cubemap(), static_cast<int>(shape.roughness.size()), samples,
-                                               context.folder, context.stopwatch);
-  }
-  for (const PeerChain& peer : peers) {
-    const Cubemap& chain = peer.cubemap;
-    const ErrorNorms errors = truth.errors(chain, mip_roughness(peer.schedule, chain.levels(), chain.level_size(0)));
-    all.push_back({"", peer.method, peer.setting, errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
+    const int mips = static_cast<int>(shape.roughness.size());
+    add_peers(all, context.peers.prefilter_cube(cube.cubemap(), mips, samples), kTruth, errors_of);
   }
   return all;
 }

@@ -8,15 +8,10 @@
 namespace welkin::report {
 namespace {
 
-constexpr ProjectionWay kWays[] = {{"exact", Quadrature::exact, false},
-                                   {"midpoint (as Babylon.js)", Quadrature::midpoint, false},
-                                   {"exact, from mips", Quadrature::exact, true}};
 constexpr const char* kErrors =
     "rms: |c - c*| / |c*| of the 27 coefficients of radiance. Maximum: the largest error of the irradiance over "
     "normals, over its root mean square.";
 constexpr const char* kTruth = "projection of all texels in double";
-
-std::string target_words(int target) { return target > 0 ? "target " + std::to_string(target) : "full size"; }
 
 /// 8, 16, ... below `size`, and 0.
 std::vector<int> targets_below(int size) {
@@ -25,6 +20,12 @@ std::vector<int> targets_below(int size) {
   targets.push_back(0);
   return targets;
 }
+
+struct ErrorsOfHarmonics {
+  SphericalHarmonics truth;
+
+  ErrorNorms operator()(const SphericalHarmonics& found) const { return harmonic_errors(found, truth); }
+};
 
 Cubemap cubemap_of(const PassContext& context) {
   return to_cubemap(context.environment.image.view(), context.scale.cube_size);
@@ -37,37 +38,38 @@ ProjectionOptions options_of(Quadrature quadrature, int target) {
   return options;
 }
 
-/// Times `make`, which gives harmonics.
-template <typename Make>
-Measurement measured(const std::string& method, const std::string& setting, const Stopwatch& stopwatch,
-                     const SphericalHarmonics& truth, const Make& make) {
-  SphericalHarmonics found;
-  const double seconds = stopwatch.seconds([&] { found = make(); });
-  const ErrorNorms errors = harmonic_errors(found, truth);
-  return {"", method, setting, errors.rms, errors.maximum, seconds, kTruth};
-}
-
+/// Three bands by each way, at 8, 16, ... texels below the full size and at that.
 std::vector<Measurement> by_target(const PassContext& context) {
+  struct Way {
+    const char* name;
+    Quadrature quadrature;
+    bool from_chain;  ///< of plain boxes of four, as engines make them
+  };
+  constexpr Way ways[] = {{"exact", Quadrature::exact, false},
+                          {"midpoint (as Babylon.js)", Quadrature::midpoint, false},
+                          {"exact, from mips", Quadrature::exact, true}};
   const Cubemap cube = cubemap_of(context);
   const Cubemap chain = build_mips(cube.view(), MipFilter::box);
-  const SphericalHarmonics truth = reference_projection(cube.view());
-  const std::vector<int> targets = targets_below(cube.size());
-  std::vector<Measurement> all = projections_by_target(chain, targets, truth, context.stopwatch);
-  progress(context, 1, 2);
-  std::vector<PeerProjection> peers = context.peers.project(cube, {0, 64}, context.folder, context.stopwatch);
-  for (PeerProjection& peer : context.peers.project_in_process(cube.view(), context.folder, context.stopwatch))
-    peers.push_back(std::move(peer));
-  for (const PeerProjection& peer : peers) {
-    const ErrorNorms errors = harmonic_errors(peer.radiance, truth);
-    all.push_back(
-        {"", peer.method, target_words(peer.target), errors.rms, errors.maximum, peer.seconds, kTruth, peer.peer});
+  const std::vector<CubemapView> levels = chain.views();
+  const ErrorsOfHarmonics errors{reference_projection(cube.view())};
+  std::vector<Measurement> all;
+  for (const Way& way : ways) {
+    for (const int target : targets_below(cube.size())) {
+      const ProjectionOptions options = options_of(way.quadrature, target);
+      const auto call = [&] {
+        return (way.from_chain ? project(levels, options) : project(levels[0], options)).radiance;
+      };
+      all.push_back(measured(way.name, target_words(target), context.stopwatch, kTruth, call, errors));
+    }
   }
+  progress(context, 1, 2);
+  add_peers(all, context.peers.project(cube, {0, 64}), kTruth, errors);
   return all;
 }
 
 std::vector<Measurement> by_format(const PassContext& context) {
   const Cubemap cube = cubemap_of(context);
-  const SphericalHarmonics truth = reference_projection(cube.view());
+  const ErrorsOfHarmonics errors{reference_projection(cube.view())};
   constexpr PixelFormat formats[] = {PixelFormat::rgb32f,  PixelFormat::rgba32f, PixelFormat::rgb16f,
                                      PixelFormat::rgba16f, PixelFormat::rgb8,    PixelFormat::rgba8,
                                      PixelFormat::srgb8,   PixelFormat::srgba8};
@@ -75,8 +77,8 @@ std::vector<Measurement> by_format(const PassContext& context) {
   for (const PixelFormat format : formats) {
     const FormattedCubemap pixels(cube, format);
     const char* const channels = name(format).rfind("rgba", 0) == 0 ? "RGBA" : "RGB";
-    all.push_back(
-        measured(channels, name(format), context.stopwatch, truth, [&] { return project(pixels.view()).radiance; }));
+    const auto call = [&] { return project(pixels.view()).radiance; };
+    all.push_back(measured(channels, name(format), context.stopwatch, kTruth, call, errors));
     progress(context, all.size(), std::size(formats));
   }
   return all;
@@ -84,23 +86,23 @@ std::vector<Measurement> by_format(const PassContext& context) {
 
 std::vector<Measurement> from_lat_long(const PassContext& context) {
   const LatLongView view = context.environment.image.view();
-  const SphericalHarmonics truth = reference_projection(view);
+  const ErrorsOfHarmonics errors{reference_projection(view)};
   const std::vector<int> targets = targets_below(view.height / 2);
   std::vector<Measurement> all;
   for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
     const std::string method = quadrature == Quadrature::exact ? "direct, exact" : "direct, midpoint";
     for (const int target : targets) {
       const ProjectionOptions options = options_of(quadrature, target);
-      all.push_back(measured(method, target_words(target), context.stopwatch, truth,
-                             [&] { return project(view, options).radiance; }));
+      const auto call = [&] { return project(view, options).radiance; };
+      all.push_back(measured(method, target_words(target), context.stopwatch, kTruth, call, errors));
     }
   }
   progress(context, 1, 2);
   for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
     const std::string method = filter == ResampleFilter::area ? "via a cubemap by area" : "via a bilinear cubemap";
     for (int size = 16; size <= view.height; size *= 2) {
-      all.push_back(measured(method, "faces of " + std::to_string(size), context.stopwatch, truth,
-                             [&] { return project(to_cubemap(view, size, glm::dmat3(1.0), filter).view()).radiance; }));
+      const auto call = [&] { return project(to_cubemap(view, size, glm::dmat3(1.0), filter).view()).radiance; };
+      all.push_back(measured(method, "faces of " + std::to_string(size), context.stopwatch, kTruth, call, errors));
     }
   }
   return all;
@@ -108,42 +110,24 @@ std::vector<Measurement> from_lat_long(const PassContext& context) {
 
 std::vector<Measurement> from_file(const PassContext& context) {
   const Environment environment = read_environment(context.file);
-  const SphericalHarmonics truth = reference_projection(environment.lat_long());
+  const ErrorsOfHarmonics errors{reference_projection(environment.lat_long())};
   std::vector<Measurement> all;
   for (const int target : {16, 64, 0}) {
-    all.push_back(measured("streamed, exact", target_words(target), context.stopwatch, truth, [&] {
+    const auto streamed = [&] {
       return project_file(context.file, {}, options_of(Quadrature::exact, target)).radiance;
-    }));
+    };
+    all.push_back(measured("streamed, exact", target_words(target), context.stopwatch, kTruth, streamed, errors));
   }
-  all.push_back(measured("read, then exact", "full size", context.stopwatch, truth,
-                         [&] { return project(read_environment(context.file).lat_long()).radiance; }));
+  const auto read = [&] { return project(read_environment(context.file).lat_long()).radiance; };
+  all.push_back(measured("read, then exact", "full size", context.stopwatch, kTruth, read, errors));
   progress(context, 1, 2);
-  for (const PeerProjection& peer : context.peers.project_file(context.file, context.folder, context.stopwatch)) {
-    const ErrorNorms errors = harmonic_errors(peer.radiance, truth);
-    all.push_back({"", peer.method, "cube of " + std::to_string(peer.target), errors.rms, errors.maximum, peer.seconds,
-                   kTruth, peer.peer});
-  }
+  add_peers(all, context.peers.project_file(context.file), kTruth, errors);
   return all;
 }
 
 }  // namespace
 
-std::span<const ProjectionWay> projection_ways() noexcept { return kWays; }
-
-std::vector<Measurement> projections_by_target(const Cubemap& chain, std::span<const int> targets,
-                                               const SphericalHarmonics& truth, const Stopwatch& stopwatch) {
-  const std::vector<CubemapView> levels = chain.views();
-  std::vector<Measurement> all;
-  for (const ProjectionWay& way : kWays) {
-    for (const int target : targets) {
-      const ProjectionOptions options = options_of(way.quadrature, target);
-      all.push_back(measured(way.name, target_words(target), stopwatch, truth, [&] {
-        return (way.from_chain ? project(levels, options) : project(levels[0], options)).radiance;
-      }));
-    }
-  }
-  return all;
-}
+std::string target_words(int target) { return target > 0 ? "target " + std::to_string(target) : "full size"; }
 
 std::vector<PassRunner> projection_passes() {
   return {{{"project-cubemap", "Cubemap to harmonics",
@@ -184,9 +168,8 @@ ProjectionOptions resized(int bands) {
 
 std::string band_words(int bands) { return std::to_string(bands) + (bands == 1 ? " band" : " bands"); }
 
-Measurement row(const std::string& method, const std::string& setting, const IrradianceError& error, double seconds,
-                double share = 1.0) {
-  return {"", method, setting, share * error.rms, share * error.maximum, seconds, kIrradianceTruth};
+ErrorNorms norms_of(const IrradianceError& error, double share = 1.0) {
+  return {share * error.rms, share * error.maximum};
 }
 
 /// The errors of what is left without the sun, which a light of its own gives back exactly, over the whole's.
@@ -205,8 +188,8 @@ std::vector<Measurement> with_sun_extracted(const PassContext& context, const Sp
       if (extract_sun(copy)) rest = std::move(copy);
       (void)project(rest.view(), resized(bands));
     });
-    all.push_back(row("harmonics and the sun extracted", band_words(bands), errors[static_cast<std::size_t>(bands - 1)],
-                      seconds, share));
+    all.push_back(measurement("harmonics and the sun extracted", band_words(bands),
+                              norms_of(errors[static_cast<std::size_t>(bands - 1)], share), seconds, kIrradianceTruth));
   }
   return all;
 }
@@ -219,7 +202,7 @@ std::vector<Measurement> by_bands(const PassContext& context) {
   for (const IrradianceError& error : errors) {
     if (error.bands > 3 && error.bands % 2 == 0) continue;  // the cosine lobe has no odd bands above the first
     const double seconds = context.stopwatch.seconds([&] { (void)project(view, resized(error.bands)); });
-    all.push_back(row("harmonics", band_words(error.bands), error, seconds));
+    all.push_back(measurement("harmonics", band_words(error.bands), norms_of(error), seconds, kIrradianceTruth));
   }
   progress(context, 1, 3);
   for (const Window window : {Window::hanning, Window::lanczos, Window::min_laplacian}) {
@@ -227,7 +210,8 @@ std::vector<Measurement> by_bands(const PassContext& context) {
     const std::vector<IrradianceError> windowed =
         irradiance_errors(view, apply_window(three, window).radiance, kNormals);
     const double seconds = context.stopwatch.seconds([&] { (void)apply_window(project(view).radiance, window); });
-    all.push_back(row("harmonics, windowed", std::string("3 bands, ") + name(window), windowed.back(), seconds));
+    all.push_back(measurement("harmonics, windowed", std::string("3 bands, ") + name(window), norms_of(windowed.back()),
+                              seconds, kIrradianceTruth));
   }
   progress(context, 2, 3);
   const std::vector<Measurement> extracted = with_sun_extracted(context, radiance);

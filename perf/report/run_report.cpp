@@ -40,6 +40,11 @@ const Scale& scale(const std::string& name) {
   throw Error(ErrorCode::invalid_argument, "\"" + name + "\" is not a scale of a report; use tiny, quick or full");
 }
 
+Measurement measurement(const std::string& method, const std::string& setting, const ErrorNorms& errors, double seconds,
+                        const std::string& truth, const std::string& peer) {
+  return {"", method, setting, errors.rms, errors.maximum, seconds, truth, peer};
+}
+
 std::vector<std::string> scale_names() { return {"tiny", "quick", "full"}; }
 
 void progress(const PassContext& context, std::size_t done, std::size_t of) {
@@ -119,9 +124,9 @@ Report run_report(const ReportOptions& options, const Control& control) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "environment.hdr";
   write_environment(file, environment.image.view());
-  const Peers peers = options.peers && size.peers
-                          ? Peers::find(options.node_modules, options.program.parent_path(), stopwatch.threads)
-                          : Peers();
+  Peers peers;
+  if (options.peers && size.peers)
+    peers = Peers::find(options.node_modules, options.program.parent_path(), folder.path(), stopwatch);
 
   Report report{this_machine(stopwatch), size.name, environment.name, {}, {}, peers.notes()};
   double whole = 0.0;

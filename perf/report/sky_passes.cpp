@@ -37,6 +37,15 @@ ErrorNorms errors_of(const ProjectSky& project, const std::vector<double>& eleva
   return together(cases);
 }
 
+/// Seconds of an update, over suns that climb.
+double seconds_of(const ProjectSky& project, const Stopwatch& stopwatch) {
+  constexpr int calls = 64;
+  SphericalHarmonics light(3);
+  return stopwatch.seconds([&] {
+    for (int k = 0; k < calls; ++k) project({0.3, 0.2 + 0.01 * k, 0.8}, light);
+  }) / calls;
+}
+
 std::vector<Measurement> by_method(const PassContext& context) {
   const std::vector<SphericalHarmonics> truths = truths_of(context);
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(air(), context.scale.sky_tables.back())), 0.0);
@@ -54,8 +63,8 @@ std::vector<Measurement> by_table_size(const PassContext& context) {
     const ErrorNorms errors = errors_of(
         [&](const glm::dvec3& sun, SphericalHarmonics& light) { projector.project(sun, light.coefficients()); },
         context.scale.sun_elevations, truths);
-    all.push_back({"", options.layout == ScatteringLayout::full ? "full" : "compact", size_words(options), errors.rms,
-                   errors.maximum, seconds, kTruth});
+    all.push_back(measurement(options.layout == ScatteringLayout::full ? "full" : "compact", size_words(options),
+                              errors, seconds, kTruth));
     progress(context, sizes.size() + all.size(), 2 * sizes.size());
   }
   return all;
@@ -70,30 +79,18 @@ std::string size_words(const SkyTableOptions& options) {
   return text + " x " + std::to_string(options.sun_zeniths);
 }
 
-std::vector<SkySetting> sky_settings() {
-  std::vector<SkySetting> settings;
-  const auto add = [&](SkyQuadrature quadrature, int zeniths, int azimuths) {
-    const int rings = quadrature == SkyQuadrature::uniform ? zeniths : 2 * zeniths;
-    settings.push_back({welkin::name(quadrature),
-                        std::to_string(zeniths) + "x" + std::to_string(azimuths),
-                        std::to_string(rings * azimuths * 2),
-                        {.bands = 3, .quadrature = quadrature, .zeniths = zeniths, .azimuths = azimuths}});
-  };
-  add(SkyQuadrature::uniform, 16, 16);
-  add(SkyQuadrature::uniform, 64, 64);
-  for (const int size : {8, 16, 32}) add(SkyQuadrature::gauss, size, size);
-  for (const int size : {8, 12, 16, 32}) add(SkyQuadrature::gauss_split, size, size);
-  return settings;
-}
-
 std::vector<SkyMethod> sky_methods(const SkyView& view) {
   std::vector<SkyMethod> methods;
-  for (const SkySetting& setting : sky_settings()) {
-    const SkyProjector projector(view, setting.options);
+  const auto add = [&](SkyQuadrature quadrature, int size) {
+    const SkyProjector projector(view, {.bands = 3, .quadrature = quadrature, .zeniths = size, .azimuths = size});
+    const int rings = quadrature == SkyQuadrature::uniform ? size : 2 * size;
     methods.push_back(
-        {setting.name, setting.setting, setting.directions,
+        {welkin::name(quadrature), std::to_string(size) + "x" + std::to_string(size), std::to_string(rings * size * 2),
          [=](const glm::dvec3& sun, SphericalHarmonics& light) { projector.project(sun, light.coefficients()); }});
-  }
+  };
+  for (const int size : {16, 64}) add(SkyQuadrature::uniform, size);
+  for (const int size : {8, 16, 32}) add(SkyQuadrature::gauss, size);
+  for (const int size : {8, 12, 16, 32}) add(SkyQuadrature::gauss_split, size);
   for (const int nodes : {64, 256, 1024}) {
     const SkyCurve curve(view, {.nodes = nodes});
     methods.push_back({"curve", std::to_string(nodes), "0",
@@ -102,22 +99,13 @@ std::vector<SkyMethod> sky_methods(const SkyView& view) {
   return methods;
 }
 
-double seconds_of(const ProjectSky& project, const Stopwatch& stopwatch) {
-  constexpr int calls = 64;
-  SphericalHarmonics light(3);
-  return stopwatch.seconds([&] {
-    for (int k = 0; k < calls; ++k) project({0.3, 0.2 + 0.01 * k, 0.8}, light);
-  }) / calls;
-}
-
 std::vector<Measurement> sky_by_method(const std::vector<SkyMethod>& methods, const std::vector<double>& elevations,
                                        const std::vector<SphericalHarmonics>& truths, const Stopwatch& stopwatch) {
   std::vector<Measurement> all;
   for (const SkyMethod& method : methods) {
-    const ErrorNorms errors = errors_of(method.project, elevations, truths);
     const std::string setting = method.setting + (method.name == "curve" ? " elevations" : " directions");
-    all.push_back(
-        {"", method.name, setting, errors.rms, errors.maximum, seconds_of(method.project, stopwatch), kTruth});
+    all.push_back(measurement(method.name, setting, errors_of(method.project, elevations, truths),
+                              seconds_of(method.project, stopwatch), kTruth));
   }
   return all;
 }

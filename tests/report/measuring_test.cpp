@@ -4,6 +4,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"
+#include "support/thrown_error.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 #include "welkin/resampling.h"
@@ -216,12 +217,7 @@ TEST_CASE("report: errors are the same on every run and number of threads", "[re
 
 TEST_CASE("report: what cannot be measured is refused", "[report]") {
   const auto refused = [](const ReportOptions& options) {
-    try {
-      (void)run_report(options);
-    } catch (const welkin::Error& error) {
-      return error.code() == welkin::ErrorCode::invalid_argument;
-    }
-    return false;
+    return test::thrown_by([&] { (void)run_report(options); }).code == ErrorCode::invalid_argument;
   };
   ReportOptions options;
   options.scale = "huge";
@@ -246,10 +242,5 @@ TEST_CASE("report: it can be cancelled, and tells how far it is", "[report][slow
   CHECK(shares.back() == Approx(1.0));
   stop_source stop;
   stop.request_stop();
-  try {
-    (void)run_report(options, {stop.get_token(), {}});
-    FAIL("it was not cancelled");
-  } catch (const welkin::Error& error) {
-    CHECK(error.code() == welkin::ErrorCode::cancelled);
-  }
+  CHECK(test::thrown_by([&] { (void)run_report(options, {stop.get_token(), {}}); }).code == ErrorCode::cancelled);
 }

@@ -5,6 +5,7 @@
 #include "report/made_up_report.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"
+#include "support/thrown_error.h"
 #include "welkin/core.h"
 
 using namespace welkin::report;
@@ -159,14 +160,10 @@ TEST_CASE("report: times are compared on the same machine alone", "[report]") {
 namespace {
 
 ErrorCode refusal(const std::string& text) {
-  try {
-    (void)from_json(text, "old.json");
-  } catch (const Error& error) {
-    CHECK(std::string(error.what()).find("old.json") != std::string::npos);
-    return error.code();
-  }
-  FAIL("it was taken: " << text.substr(0, 200));
-  return {};
+  INFO(text.substr(0, 200));
+  const test::ThrownError error = test::thrown_by([&] { (void)from_json(text, "old.json"); });
+  CHECK(error.says("old.json"));
+  return error.code;
 }
 
 }  // namespace
@@ -229,34 +226,25 @@ TEST_CASE("report: what is no report is refused by name", "[report]") {
 
 TEST_CASE("report: members that are missing or of another type are refused", "[report]") {
   const auto whole = nlohmann::json::parse(to_json(made_up_report()));
-  for (const char* member : {"machine", "scale", "environment", "notes", "passes", "measurements"}) {
-    INFO(member);
+  const auto check = [&](const std::string& parent, const char* member, const nlohmann::json& other) {
+    INFO(parent << '/' << member);
+    const nlohmann::json::json_pointer at(parent);
     auto without = whole;
-    without.erase(member);
+    without[at].erase(member);
     CHECK(refusal(without.dump()) == ErrorCode::corrupt_file);
-    auto other = whole;
-    other[member] = 7;
-    CHECK(refusal(other.dump()) == ErrorCode::corrupt_file);
-  }
-  for (const char* member : {"pass", "method", "setting", "error_rms", "seconds", "truth", "peer"}) {
-    INFO(member);
-    auto without = whole;
-    without["measurements"][1].erase(member);
-    CHECK(refusal(without.dump()) == ErrorCode::corrupt_file);
-    auto other = whole;
-    other["measurements"][1][member] = nlohmann::json::array();
-    CHECK(refusal(other.dump()) == ErrorCode::corrupt_file);
-  }
+    auto changed = whole;
+    changed[at][member] = other;
+    CHECK(refusal(changed.dump()) == ErrorCode::corrupt_file);
+  };
+  for (const char* member : {"machine", "scale", "environment", "notes", "passes", "measurements"})
+    check("", member, 7);
+  for (const char* member : {"pass", "method", "setting", "error_rms", "seconds", "truth", "peer"})
+    check("/measurements/1", member, nlohmann::json::array());
 }
 
 TEST_CASE("report: a file that is not there is refused", "[report]") {
   const test::TemporaryDirectory folder;
-  try {
-    (void)read_report(folder.file("none.json"));
-    FAIL("it was read");
-  } catch (const Error& error) {
-    CHECK(error.code() == ErrorCode::file_access);
-  }
+  CHECK(test::thrown_by([&] { (void)read_report(folder.file("none.json")); }).code == ErrorCode::file_access);
 }
 
 // The page stands alone, and nothing in it is taken for markup. What a browser makes of it: page_live.sh.
