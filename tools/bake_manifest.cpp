@@ -184,9 +184,10 @@ void require_replaceable(const std::filesystem::path& path) {
   }
 }
 
+/// A link whose target is missing is there too.
 bool is_there(const std::filesystem::path& path) {
   std::error_code unknown;
-  return std::filesystem::exists(std::filesystem::status(path, unknown));
+  return std::filesystem::exists(std::filesystem::symlink_status(path, unknown));
 }
 
 const Json* member(const Json& object, std::string_view name) {
