@@ -55,8 +55,7 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
 }
 
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   const auto manifest = bake_into(folder, small_picture() +
                                               " --size 32 --mips 5 --roughness filament --background-size 24 "
                                               "--irradiance 7 --no-previews --formats ktx2,env");
@@ -87,8 +86,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 }
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() +
                         " --size 32 --irradiance 8 --brdf 8 --no-previews --formats ktx2,exr --ktx2-format rgba32f "
                         "--lobe charlie,lambert,phong --octahedral 32");
@@ -173,8 +171,7 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder,
             small_picture() +
                 " --formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5 --no-previews" +
@@ -263,8 +260,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow
 
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
           "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --no-previews" + kSmall);
   std::ofstream(folder / "mine.txt") << "keep";
   std::ofstream(folder / "specular.ktx2") << "old";
@@ -278,8 +274,7 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
 }
 
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --no-previews --for three --bands 4" + kSmall);
   const nlohmann::json baked = json_of(file_text(folder / "sh.json"));
   const nlohmann::json sh = run_sh_json(small_picture() + " --for three --bands 4");

@@ -24,11 +24,14 @@ CommandResult run_program(const std::filesystem::path& program, const std::strin
 /// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
 nlohmann::json json_of(const std::string& text);
 
-/// Runs `welkin ARGUMENTS`, requires success and silence on standard error, and parses the output.
+/// Runs `welkin ARGUMENTS`, requires success and silence on standard error; what it says on standard output.
+std::string printed_by(const std::string& arguments, const std::string& environment = "");
+
+/// The same, parsed.
 nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment = "");
 
 /// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
-std::string failure(const std::string& arguments, int exit_code);
+std::string failure(const std::string& arguments, int exit_code, const std::string& environment = "");
 
 /// That of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
