@@ -16,10 +16,8 @@ namespace {
 /// A PNG as light.
 class Preview {
  public:
-  explicit Preview(const std::filesystem::path& path) {
-    ReadOptions options{.layout = Layout::lat_long};
-    picture_ = read_environment(path, options);
-  }
+  explicit Preview(const std::filesystem::path& path)
+      : picture_(read_environment(path, {.layout = Layout::lat_long})) {}
 
   [[nodiscard]] int width() const { return picture_.info.width; }
   [[nodiscard]] int height() const { return picture_.info.height; }

@@ -3,6 +3,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/pictures.h"
+#include "support/same_bits.h"
 #include "tools/baked_folder.h"
 
 namespace welkin::test {
@@ -69,6 +70,11 @@ const std::string& small_picture() {
     return quoted(folder.file("light.pfm"));
   }();
   return path;
+}
+
+std::vector<float> pixels_in(const std::filesystem::path& file) {
+  const Environment read = read_environment(file);
+  return {values_of(read).begin(), values_of(read).end()};
 }
 
 std::vector<float> grey_picture(int width, int height, float value) {

@@ -52,6 +52,9 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
 /// built-in sky is computed by each run that asks for it.) All its harmonics of three bands differ from 0.
 const std::string& small_picture();
 
+/// All pixels of a picture, or of six faces.
+std::vector<float> pixels_in(const std::filesystem::path& file);
+
 /// The same grey everywhere.
 std::vector<float> grey_picture(int width, int height, float value);
 

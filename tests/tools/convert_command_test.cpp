@@ -14,16 +14,6 @@ using namespace welkin::test;
 
 // `welkin convert` and `welkin testmap`: what they write, what they say, and what they leave alone.
 
-namespace {
-
-std::vector<float> pixels_of(const std::filesystem::path& path) {
-  const Environment read = read_environment(path);
-  return {read.pixels.get(), read.pixels.get() + std::size_t{3} * static_cast<std::size_t>(read.info.width) *
-                                                     static_cast<std::size_t>(read.info.height)};
-}
-
-}  // namespace
-
 TEST_CASE("command: convert leaves every texel as it is where nothing asks for more", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
@@ -32,7 +22,7 @@ TEST_CASE("command: convert leaves every texel as it is where nothing asks for m
     const auto path = directory.file(out.substr(0, 5));
     const std::string said = printed_by("convert " + quoted(in) + " " + quoted(path) + out.substr(5));
     CHECK(said == path.string() + ": lat-long, 32 x 16\n");
-    CHECK(pixels_of(path) == some_pixels(32, 16));
+    CHECK(pixels_in(path) == some_pixels(32, 16));
   }
 }
 
@@ -40,7 +30,7 @@ TEST_CASE("command: convert goes through every layout of a cube and back", "[too
   const TemporaryDirectory directory;
   const auto first = directory.file("first.pfm");
   printed_by("testmap -o " + quoted(first) + " --size 8 --layout vertical-strip");
-  const std::vector<float> wanted = pixels_of(first);
+  const std::vector<float> wanted = pixels_in(first);
   for (const std::string layout :
        {"vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross", "six-files"}) {
     CAPTURE(layout);
@@ -50,7 +40,7 @@ TEST_CASE("command: convert goes through every layout of a cube and back", "[too
     const auto from = layout == "six-files" ? directory.file("there_px.exr") : there;
     CHECK(contains(said, from.string() + ": "));
     printed_by("convert " + quoted(from) + " " + quoted(directory.file("back.pfm")) + " --in-layout " + layout);
-    CHECK(pixels_of(directory.file("back.pfm")) == wanted);
+    CHECK(pixels_in(directory.file("back.pfm")) == wanted);
   }
 }
 
@@ -62,7 +52,7 @@ TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[t
   const Environment source = read_environment(in);
   const auto converted = [&](const std::string& options) {
     printed_by("convert " + quoted(in) + " " + quoted(out) + " " + options);
-    return pixels_of(out);
+    return pixels_in(out);
   };
   glm::dmat3 mirror(1.0);
   mirror[0][0] = -1.0;
@@ -92,7 +82,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   const auto check = [&](const std::string& options, double exposure, double first = 400.0) {
     INFO(options);
     CHECK_FALSE(contains(printed_by("convert " + quoted(in) + " " + quoted(out) + " --tone-map" + options), "clamped"));
-    const std::vector<float> seen = pixels_of(out);
+    const std::vector<float> seen = pixels_in(out);
     CHECK(static_cast<double>(seen.front()) == Approx(shown(exposure, first)).epsilon(0.02));
     CHECK(static_cast<double>(seen.back()) == Approx(shown(exposure, 20.0)).epsilon(0.02));
   };

@@ -93,12 +93,6 @@ double difference(std::span<const float> wanted, std::span<const float> got) {
   return std::sqrt(error / all);
 }
 
-std::size_t number_at(const std::string& bytes, std::size_t at) {
-  std::size_t value = 0;
-  for (std::size_t k = 4; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes.at(at + k));
-  return value;
-}
-
 /// A .glb taken apart; requires that header, chunks and buffer views are as glTF 2.0 has them.
 struct Glb {
   nlohmann::json document;

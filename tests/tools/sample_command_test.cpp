@@ -16,8 +16,7 @@ std::vector<float> sample(int width) {
   const auto path = directory.file("sample.pfm");
   CHECK(printed_by("sample --size " + std::to_string(width) + " -o " + quoted(path)) ==
         path.string() + ": lat-long, " + std::to_string(width) + " x " + std::to_string(width / 2) + "\n");
-  const Environment read = read_environment(path);
-  return {read.pixels.get(), read.pixels.get() + std::ptrdiff_t{3} * width * width / 2};
+  return pixels_in(path);
 }
 
 }  // namespace
