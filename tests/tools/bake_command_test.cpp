@@ -41,14 +41,11 @@ std::vector<float> texels(const Cubemap& chain, int level) {
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "some" / "where";
-  const CommandResult result = run_welkin("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
-  INFO(result.errors);
-  REQUIRE(result.exit_code == 0);
-  CHECK(result.errors.empty());
+  const std::string said = printed_by("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2", "environment.env", "sh.json", "sh.h",
                            "preview_environment.png", "preview_spheres.png", "preview_mips.png", "manifest.json"}) {
     INFO(name);
-    CHECK(contains(result.output, name));
+    CHECK(contains(said, name));
     CHECK(std::filesystem::exists(folder / name));
   }
   check_manifest_matches(folder);

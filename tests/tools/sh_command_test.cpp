@@ -270,11 +270,11 @@ TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools][slow]") {
-  const nlohmann::json plain = run_sh_json("--sky");
+  const nlohmann::json plain = run_sh_json(small_picture());
   CHECK(plain.at("window").at("name") == "none");
   for (const char* window : {"hanning", "lanczos", "min-laplacian"}) {
     INFO(window);
-    const nlohmann::json json = run_sh_json(std::string("--sky --window ") + window);
+    const nlohmann::json json = run_sh_json(small_picture() + " --window " + window);
     const auto& factors = json.at("window").at("factors");
     REQUIRE(factors.size() == 3);
     CHECK(factors.at(0) == 1.0);
@@ -286,7 +286,7 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
           triple(plain.at("window").at("minimum_irradiance_before")));
     CHECK(json.at("window").contains("minimum_irradiance_after"));
   }
-  CHECK(contains(run_welkin("sh --sky --window min-laplacian").output, "after it (min-laplacian"));
+  CHECK(contains(printed_by("sh " + small_picture() + " --window min-laplacian"), "after it (min-laplacian"));
   CHECK(run_welkin("sh --sky --window-width 0").exit_code == 2);
 }
 

@@ -205,7 +205,7 @@ TEST_CASE("Standard streams that the caller has closed become nobody's", "[comma
   };
   // What --verbose says would otherwise go to whatever was opened first: to the pipe by which signals stop the work.
   const std::string bake =
-      "bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
+      "bake " + small_picture() + " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
   for (const std::string closed : {">&- 2>&-", "<&- >&- 2>&-", "<&- >&-", "2>&-"}) {
     const std::filesystem::path out = folder.path() / "out";
     const CommandResult result = run(bake + quoted(out), closed);
@@ -297,8 +297,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   CHECK(file_of(bake, "sh.json").at("bands") == 3);
 
   const std::filesystem::path out = folder.path() / "out";
-  REQUIRE(run_welkin("bake --sky --size 16 --irradiance 4 --brdf 8 --formats env --no-previews -o " + quoted(out))
-              .exit_code == 0);
+  bake_into(out, small_picture() + " --size 16 --irradiance 4 --brdf 8 --formats env --no-previews");
   std::string env = file_text(out / "environment.env");
   const std::size_t end = env.find('\0', 8);
   nlohmann::json manifest = json_of(env.substr(8, end - 8));
@@ -331,10 +330,8 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
                            quoted(folder.path() / "out");
   REQUIRE(contains(failure("bake " + quoted(input) + bake, 1), "'welkin convert' with --size"));
   const std::filesystem::path smaller = folder.path() / "smaller.exr";
-  REQUIRE(
-      run_welkin("convert " + quoted(input) + ' ' + quoted(smaller) + " --size 32 --memory-limit 40MiB").exit_code ==
-      0);
-  CHECK(run_welkin("bake " + quoted(smaller) + bake).exit_code == 0);
+  printed_by("convert " + quoted(input) + ' ' + quoted(smaller) + " --size 32 --memory-limit 40MiB");
+  printed_by("bake " + quoted(smaller) + bake);
 }
 
 TEST_CASE("Control characters in names of files never reach a terminal", "[command][unlucky][slow]") {
