@@ -135,5 +135,3 @@ TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]"
   }
   CHECK(runs == 2 * files);
 }
-
-// Promises: --memory-limit counts all pixels that are held at once, and a refusal's remedy is one that would do.

@@ -256,5 +256,3 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   for (const MipRecord& mip : prefilter_specular(grey.view(), {.size = 64}).mips) of_library.push_back(mip.roughness);
   CHECK(roughness("--size 64") == of_library);
 }
-
-// Promise: a map for an engine names that engine's axes, where the engine looks for them.
