@@ -254,8 +254,7 @@ TEST_CASE("A cached plan leaves out what it left out before, and says why", "[pl
 }
 
 TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path path = directory.file("sky.dds");
+  const TemporaryFile path("sky.dds");
   write_texture(path, odd_chain().views(), {.format = TexelFormat::rgba32f});
   const SceneNeeds needs{.glossy = std::nullopt};
   const auto action = [&](LevelContent content) {
@@ -267,9 +266,8 @@ TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]")
 }
 
 TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec]") {
-  const TemporaryDirectory directory;
   const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 7);
-  const std::filesystem::path file = directory.file("sky.hdr");
+  const TemporaryFile file("sky.hdr");
   write_environment(file, picture.view());
   const SceneNeeds needs{.glossy = std::nullopt, .background = false};
   BakeOptions options;

@@ -219,8 +219,6 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
   CHECK(same_bits(*bake(burning.view(), small_bake()).background, *bright.background));
 }
 
-// Promise: a bake has the same bits on any number of threads and instruction set, and in a worker.
-
 TEST_CASE("A bake's tiles allocate nothing", "[bake]") {
   const TestLatLong picture = make_lat_long(Content::high_range, 256, 128, 5);
   static_cast<void>(bake(picture.view(), small_bake(64)));

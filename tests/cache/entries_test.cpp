@@ -317,8 +317,7 @@ TEST_CASE("entries: another entry under this name is not taken for it") {
 }
 
 TEST_CASE("entries: the least recently used go when the folder is full") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   EntryFolder folder(place, 3 * (1000 + cache::kEntryHeaderBytes));
 #if defined(_WIN32)
   constexpr std::chrono::milliseconds kTick(1100);  // libstdc++ reads a file's time in seconds there
@@ -358,8 +357,7 @@ TEST_CASE("entries: a folder that cannot be is no reason to fail") {
 // Entries that somebody else made: sizes that cannot be, no memory for what they state.
 
 TEST_CASE("entries: no memory is taken for more than an entry of its kind can have") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   EntryFolder folder(place, kLarge);
   folder.store(named(1), std::vector<std::uint8_t>(100, 7));
   CHECK(folder.find(named(1), 100).has_value());

@@ -23,8 +23,7 @@ constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
 cache::EntryName named(unsigned number) { return {cache::EntryKind::projection, {number, ~std::uint64_t{number}}}; }
 
 TEST_CASE("entries: what a killed writer left behind goes, and what a living one writes stays") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   std::filesystem::create_directory(place);
   write_bytes(place / ".welkin-1-0.part", {'x'});
   write_bytes(place / ".welkin-2-0-5.part", {'x'});
@@ -61,8 +60,7 @@ TEST_CASE("entries: a link under an entry's name is not followed, for reading or
 }
 
 TEST_CASE("entries: files of others stay, and pipes and folders under an entry's name keep nobody waiting") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   EntryFolder folder(place, 1000);
   const std::vector<std::string> theirs{"notes.txt", "mine.welkin-entry", ".welkin-notes.part", ".welkin-.part"};
   for (const std::string& name : theirs) {
@@ -102,8 +100,7 @@ int exit_code(pid_t child) {
 }
 
 TEST_CASE("entries: a full disk is no reason to fail and leaves nothing behind") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   const pid_t child = start_process([&] {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{4096, 4096};
@@ -134,8 +131,7 @@ int work_among_others(const std::filesystem::path& place, unsigned seed, int rou
 }
 
 TEST_CASE("entries: processes and threads that share a folder never see half an entry") {
-  const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
+  const TemporaryFile place("cache");
   std::vector<pid_t> children;
   for (unsigned seed = 0; seed < 4; ++seed) {
     children.push_back(start_process([&] { return work_among_others(place, seed, 60); }));

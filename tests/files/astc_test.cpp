@@ -22,8 +22,7 @@ namespace {
 constexpr std::pair<TexelFormat, int> kFormats[] = {{TexelFormat::astc_4x4_hdr, 4}, {TexelFormat::astc_6x6_hdr, 6}};
 
 TextureOptions in_astc(TexelFormat format, AstcEffort effort = AstcEffort::fastest) {
-  TextureOptions options{.format = format, .astc_effort = effort};
-  return options;
+  return {.format = format, .astc_effort = effort};
 }
 
 /// Smooth, and other at each level and face.
@@ -46,14 +45,8 @@ Cubemap smooth_chain(int size, int levels) {
   return chain;
 }
 
-std::uint32_t field(const std::vector<char>& bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 std::size_t place(const std::vector<char>& bytes, int level) {
-  return field(bytes, 80 + 24 * static_cast<std::size_t>(level));
+  return number_at(bytes, 80 + 24 * static_cast<std::size_t>(level));
 }
 
 /// A block of one colour, as the specification has it: "void extent" with halves and without coordinates.
@@ -80,22 +73,22 @@ TEST_CASE("headers of ASTC textures are as their specifications have them", "[co
     CAPTURE(edge);
     write_texture(directory.file("sky.ktx2"), chain.views(), in_astc(format));
     const std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    CHECK(field(bytes, 12) == (edge == 4 ? 1000066000U : 1000066004U));
-    CHECK(field(bytes, 16) == 1);  // type size
-    CHECK(field(bytes, 36) == 6);  // faces
-    const std::size_t descriptor = field(bytes, 48);
-    CHECK(field(bytes, descriptor) == 44);
-    CHECK(field(bytes, descriptor + 12) == (162U | 1U << 8U | 1U << 16U));  // ASTC, Rec. 709, linear
-    CHECK(field(bytes, descriptor + 16) == (edge == 4 ? 0x0303U : 0x0505U));
-    CHECK(field(bytes, descriptor + 20) == 16);
-    CHECK(field(bytes, descriptor + 28) == (127U << 16U | 0xC0U << 24U));  // 128 bits, signed floats
-    CHECK(field(bytes, descriptor + 36) == 0xBF800000);                    // -1
-    CHECK(field(bytes, descriptor + 40) == 0x3F800000);
+    CHECK(number_at(bytes, 12) == (edge == 4 ? 1000066000U : 1000066004U));
+    CHECK(number_at(bytes, 16) == 1);  // type size
+    CHECK(number_at(bytes, 36) == 6);  // faces
+    const std::size_t descriptor = number_at(bytes, 48);
+    CHECK(number_at(bytes, descriptor) == 44);
+    CHECK(number_at(bytes, descriptor + 12) == (162U | 1U << 8U | 1U << 16U));  // ASTC, Rec. 709, linear
+    CHECK(number_at(bytes, descriptor + 16) == (edge == 4 ? 0x0303U : 0x0505U));
+    CHECK(number_at(bytes, descriptor + 20) == 16);
+    CHECK(number_at(bytes, descriptor + 28) == (127U << 16U | 0xC0U << 24U));  // 128 bits, signed floats
+    CHECK(number_at(bytes, descriptor + 36) == 0xBF800000);                    // -1
+    CHECK(number_at(bytes, descriptor + 40) == 0x3F800000);
     std::size_t end = bytes.size();
     for (int level = 0; level < 5; ++level) {
       const auto across = static_cast<std::size_t>((chain.level_size(level) + edge - 1) / edge);
       CHECK(place(bytes, level) % 16 == 0);
-      CHECK(field(bytes, 88 + 24 * static_cast<std::size_t>(level)) == 6 * across * across * 16);
+      CHECK(number_at(bytes, 88 + 24 * static_cast<std::size_t>(level)) == 6 * across * across * 16);
       CHECK(place(bytes, level) + 6 * across * across * 16 == end);  // the largest level last, no gap
       end = place(bytes, level);
     }
@@ -138,7 +131,7 @@ TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[co
     write_texture(path, smooth_chain(size, levels).views(), in_astc(format));
     std::vector<char> bytes = read_bytes(path);
     for (int level = 0; level < levels; ++level) {
-      const std::size_t blocks = field(bytes, 88 + 24 * static_cast<std::size_t>(level)) / 16;
+      const std::size_t blocks = number_at(bytes, 88 + 24 * static_cast<std::size_t>(level)) / 16;
       for (std::size_t k = 0; k < blocks; ++k) {
         const auto block = block_of(colour_of(level, k));
         std::copy(block.begin(), block.end(),
@@ -165,8 +158,7 @@ TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[co
     ReadOptions options;  // row by row, as environments are read
     for (options.level = 0; options.level < 2; ++options.level) {
       const Environment environment = read_environment(path, options);
-      CHECK(same_bytes<float>({environment.pixels.get(), level_values(read.cubemap, options.level).size()},
-                              level_values(read.cubemap, options.level)));
+      CHECK(same_bytes(values_of(environment), level_values(read.cubemap, options.level)));
     }
   }
 }
@@ -214,8 +206,7 @@ TEST_CASE("what ASTC cannot hold is clamped and counted", "[codec][textures][ast
 }
 
 TEST_CASE("a cut ASTC file is refused, and a stopped write leaves none", "[codec][textures][astc]") {
-  const TemporaryDirectory directory;
-  const auto path = directory.file("sky.ktx2");
+  const TemporaryFile path("sky.ktx2");
   write_texture(path, smooth_chain(8, 4).views(), in_astc(TexelFormat::astc_6x6_hdr));
   std::vector<char> bytes = read_bytes(path);
   bytes.pop_back();

@@ -66,11 +66,10 @@ TEST_CASE("cubemaps of BC6H blocks are read exactly at all levels", "[codec][tex
         const CubemapTexture texture = read_texture(path);
         REQUIRE(texture.cubemap.levels() == full_chain_levels(size));
         CHECK(is_recorded(texture.cubemap, blocks));
-        ReadOptions options{.level = texture.cubemap.levels() - 1};
-        CHECK(read_environment(path, options).pixels[0] == texture.cubemap.face(options.level, 0)[0]);
+        const int last = texture.cubemap.levels() - 1;
+        CHECK(read_environment(path, {.level = last}).pixels[0] == texture.cubemap.face(last, 0)[0]);
         const Environment whole = read_environment(path);
-        CHECK(same_bytes<float>({whole.pixels.get(), level_values(texture.cubemap, 0).size()},
-                                level_values(texture.cubemap, 0)));
+        CHECK(same_bytes(values_of(whole), level_values(texture.cubemap, 0)));
         CHECK(whole.info.storage == (range == image::Bc6hRange::positive ? "bc6h ufloat" : "bc6h sfloat"));
       }
     }
@@ -108,30 +107,25 @@ TEST_CASE("headers of BC6H textures are as their specifications have them", "[co
   write_texture(directory.file("sky.dds"), chain.views(), options);
   const std::vector<char> ktx = read_bytes(directory.file("sky.ktx2"));
   const std::vector<char> dds = read_bytes(directory.file("sky.dds"));
-  const auto field = [](const std::vector<char>& bytes, std::size_t at) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    return value;
-  };
-  CHECK(field(ktx, 12) == 143);
-  CHECK(field(ktx, 16) == 1);  // type size
-  const std::size_t descriptor = field(ktx, 48);
-  CHECK(field(ktx, descriptor) == 44);
-  CHECK(field(ktx, descriptor + 12) == (133U | 1U << 8U | 1U << 16U));
-  CHECK(field(ktx, descriptor + 16) == 0x0303);
-  CHECK(field(ktx, descriptor + 20) == 16);
-  CHECK(field(ktx, descriptor + 28) == (127U << 16U | 0x80U << 24U));
-  CHECK(field(ktx, descriptor + 36) == 0);
-  CHECK(field(ktx, descriptor + 40) == 0x3F800000);
+  CHECK(number_at(ktx, 12) == 143);
+  CHECK(number_at(ktx, 16) == 1);  // type size
+  const std::size_t descriptor = number_at(ktx, 48);
+  CHECK(number_at(ktx, descriptor) == 44);
+  CHECK(number_at(ktx, descriptor + 12) == (133U | 1U << 8U | 1U << 16U));
+  CHECK(number_at(ktx, descriptor + 16) == 0x0303);
+  CHECK(number_at(ktx, descriptor + 20) == 16);
+  CHECK(number_at(ktx, descriptor + 28) == (127U << 16U | 0x80U << 24U));
+  CHECK(number_at(ktx, descriptor + 36) == 0);
+  CHECK(number_at(ktx, descriptor + 40) == 0x3F800000);
   for (std::size_t level = 0; level < 4; ++level) {
-    CHECK(field(ktx, 80 + 24 * level) % 16 == 0);
-    CHECK(field(ktx, 88 + 24 * level) == (level == 0 ? 6U * 4U * 16U : 6U * 16U));
+    CHECK(number_at(ktx, 80 + 24 * level) % 16 == 0);
+    CHECK(number_at(ktx, 88 + 24 * level) == (level == 0 ? 6U * 4U * 16U : 6U * 16U));
   }
-  CHECK((field(dds, 8) & 0x80008U) == 0x80000U);  // linear size, no pitch
-  CHECK(field(dds, 20) == 4 * 16);
-  CHECK(field(dds, 112) == 0xFE00);
-  CHECK(field(dds, 128) == 95);
-  CHECK(field(dds, 136) == 4);
+  CHECK((number_at(dds, 8) & 0x80008U) == 0x80000U);  // linear size, no pitch
+  CHECK(number_at(dds, 20) == 4 * 16);
+  CHECK(number_at(dds, 112) == 0xFE00);
+  CHECK(number_at(dds, 128) == 95);
+  CHECK(number_at(dds, 136) == 4);
   CHECK(dds.size() == 148 + 6 * (4 + 1 + 1 + 1) * 16);
 }
 
@@ -167,17 +161,17 @@ TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures
         CAPTURE(width, height, name);
         const TextureOptions options{.format = format};
         CHECK(write_texture_2d(directory.file(name), width, height, rgb.data(), options).values_clamped == 0);
-        ReadOptions read_options{.layout = Layout::lat_long};
-        const Environment read = read_environment(directory.file(name), read_options);
+        const Environment read = read_environment(directory.file(name), {.layout = Layout::lat_long});
         REQUIRE(read.info.width == width);
         REQUIRE(read.info.height == height);
-        CHECK(is_near({read.pixels.get(), rgb.size()}, rgb, 0.02F));
+        CHECK(is_near(values_of(read), rgb, 0.02F));
       }
       TextureOptions packed{.format = format, .supercompression = Supercompression::zlib};
       write_texture_2d(directory.file("packed.ktx2"), width, height, rgb.data(), packed);
-      ReadOptions read_options{.layout = Layout::lat_long};
-      CHECK(same_bytes<float>({read_environment(directory.file("packed.ktx2"), read_options).pixels.get(), rgb.size()},
-                              {read_environment(directory.file("sky.dds"), read_options).pixels.get(), rgb.size()}));
+      const auto read = [&](const char* name) {
+        return read_environment(directory.file(name), {.layout = Layout::lat_long});
+      };
+      CHECK(same_bytes(values_of(read("packed.ktx2")), values_of(read("sky.dds"))));
     }
   }
 }

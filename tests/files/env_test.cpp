@@ -170,12 +170,11 @@ TEST_CASE("every byte of RGBD decodes to its power, and a divisor of 0 is taken 
 }
 
 TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env][slow]") {
-  const TemporaryDirectory directory;
   for (const int size : {1, 2, 4, 64, 256}) {
     CAPTURE(size);
     BabylonEnvironment environment = some_environment(size);
     environment.lod_generation_scale = 0.75;
-    const auto path = directory.file("sky.env");
+    const TemporaryFile path("sky.env");
     const WriteReport report = write_babylon_environment(path, environment);
     CHECK(report.values_clamped == 0);
     CHECK(report.files == std::vector<std::filesystem::path>{path});

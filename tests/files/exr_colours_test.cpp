@@ -22,10 +22,7 @@ namespace {
 
 const Imf::Chromaticities kWide({0.708F, 0.292F}, {0.170F, 0.797F}, {0.131F, 0.046F}, {0.3127F, 0.3290F});
 
-ReadOptions as_stored_lat_long() {
-  ReadOptions options{.layout = Layout::lat_long, .primaries = Primaries::as_stored};
-  return options;
-}
+ReadOptions as_stored_lat_long() { return {.layout = Layout::lat_long, .primaries = Primaries::as_stored}; }
 
 ExrRecipe recipe_of(int width, int height, Imf::Compression compression = Imf::PIZ_COMPRESSION) {
   return {width, height, 0, 0, compression, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
@@ -90,10 +87,7 @@ void write_with(const std::filesystem::path& path, const std::function<void(Imf:
   write_exr(path, recipe, kPixels);
 }
 
-ReadOptions as_stored() {
-  ReadOptions options{.primaries = Primaries::as_stored};
-  return options;
-}
+ReadOptions as_stored() { return {.primaries = Primaries::as_stored}; }
 
 bool reads(const std::filesystem::path& path, const std::vector<float>& pixels, const ReadOptions& options = {}) {
   return std::equal(pixels.begin(), pixels.end(), read_environment(path, options).pixels.get());

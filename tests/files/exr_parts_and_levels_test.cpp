@@ -35,10 +35,7 @@ std::string name_of_read_part(const std::filesystem::path& path, const std::vect
   return "none";
 }
 
-ReadOptions with_part(const std::string& name) {
-  ReadOptions options{.part = name};
-  return options;
-}
+ReadOptions with_part(const std::string& name) { return {.part = name}; }
 
 }  // namespace
 
@@ -71,8 +68,7 @@ TEST_CASE("the part that has the layer is read", "[codec]") {
       part("a", rgb_channels(Imf::FLOAT), 1),
       part("b", {{"sun.R", Imf::FLOAT, 1, 0}, {"sun.G", Imf::FLOAT, 1, 1}, {"sun.B", Imf::FLOAT, 1, 2}}, 2)};
   write_exr_parts(path, parts);
-  ReadOptions options{.layer = "sun"};
-  CHECK(name_of_read_part(path, parts, options) == "b");
+  CHECK(name_of_read_part(path, parts, {.layer = "sun"}) == "b");
 }
 
 TEST_CASE("deep parts are skipped, and refused if they are asked for", "[codec]") {
@@ -115,10 +111,7 @@ TEST_CASE("a part that is not there is an error that names those that are", "[co
 
 namespace {
 
-ReadOptions at_level(int level) {
-  ReadOptions options{.layout = Layout::lat_long, .level = level};
-  return options;
-}
+ReadOptions at_level(int level) { return {.layout = Layout::lat_long, .level = level}; }
 
 ExrRecipe recipe_of(int width, int height, const Imf::TileDescription& tiles) {
   ExrRecipe recipe{width, height, -3, 11, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, tiles, std::nullopt, {}};
@@ -218,8 +211,7 @@ EnvironmentInfo chain(Layout layout, int width, int height, int count) {
 }
 
 ProjectionOptions target(std::optional<int> size, Quadrature quadrature = Quadrature::exact) {
-  ProjectionOptions options{.quadrature = quadrature, .target_size = size};
-  return options;
+  return {.quadrature = quadrature, .target_size = size};
 }
 
 }  // namespace
@@ -294,9 +286,7 @@ TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
     // Tables lie before the first block, of which the lowest offset tells.
     std::size_t table = 0;
     for (std::size_t index = 8; index + 8 * entries <= bytes.size() && table == 0; ++index) {
-      std::uint64_t offset = 0;
-      std::memcpy(&offset, bytes.data() + index, sizeof(offset));
-      table = offset == index + 8 * entries ? index : 0;
+      table = number_at<std::uint64_t>(bytes, index) == index + 8 * entries ? index : 0;
     }
     REQUIRE(table != 0);
     std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(table), 8 * entries, '\0');
@@ -316,8 +306,7 @@ TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
   const std::vector<char> sound = read_bytes(path);
   for (const char* part : {"sky", "tiles"}) {
     write_bytes(path, sound);
-    ReadOptions options{.part = part};
-    check(32 + 15, options);
+    check(32 + 15, {.part = part});
   }
 }
 
@@ -332,8 +321,7 @@ std::filesystem::path picture(const std::string& name) { return kConformance / (
 
 // None of them is an environment; any ratio can be taken for a lat-long.
 Environment read(const std::string& name, Primaries primaries = Primaries::rec709) {
-  ReadOptions options{.layout = Layout::lat_long, .primaries = primaries};
-  return read_environment(picture(name), options);
+  return read_environment(picture(name), {.layout = Layout::lat_long, .primaries = primaries});
 }
 
 bool equal(const Environment& found, const std::vector<float>& wanted) {

@@ -37,10 +37,7 @@ std::vector<ExrChannel> together(std::vector<ExrChannel> channels, const std::ve
   return channels;
 }
 
-ReadOptions with_layer(const std::string& name) {
-  ReadOptions options{.layer = name};
-  return options;
-}
+ReadOptions with_layer(const std::string& name) { return {.layer = name}; }
 
 bool reads(const std::filesystem::path& path, const std::vector<float>& pixels, const ReadOptions& options = {}) {
   return std::equal(pixels.begin(), pixels.end(), read_environment(path, options).pixels.get());

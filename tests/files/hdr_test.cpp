@@ -129,8 +129,7 @@ class Picture {
     HdrRecipe recipe{16, 8};
     recipe.lines = lines;
     write_bytes(path_, hdr_bytes(recipe, texels_));
-    ReadOptions options{.primaries = primaries};
-    return read_environment(path_, options);
+    return read_environment(path_, {.primaries = primaries});
   }
 
   [[nodiscard]] const std::vector<Rgbe>& texels() const { return texels_; }

@@ -4,6 +4,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/jpeg_files.h"
+#include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "welkin/environment_file.h"
@@ -64,10 +65,7 @@ std::vector<double> expected(const Bytes& base, const Shape& of_base, const Byte
   return light;
 }
 
-ReadOptions as_lat_long() {
-  ReadOptions options{.layout = Layout::lat_long};
-  return options;
-}
+ReadOptions as_lat_long() { return {.layout = Layout::lat_long}; }
 
 Bytes picture(const Shape& shape, std::vector<std::pair<int, std::string>> segments = {}, bool progressive = false) {
   return jpeg_bytes({shape.width, shape.height, shape.components, progressive, std::move(segments)},
@@ -78,13 +76,8 @@ Environment read(const Bytes& bytes, const ReadOptions& options = as_lat_long())
   return read_environment({std::as_bytes(std::span(bytes)), "sky.jpg"}, options);
 }
 
-std::span<const float> texels_of(const Environment& environment) {
-  return {environment.pixels.get(), std::size_t{3} * static_cast<std::size_t>(environment.info.width) *
-                                        static_cast<std::size_t>(environment.info.height)};
-}
-
 double largest_difference(const Environment& read, const std::vector<double>& truth) {
-  const std::span<const float> texels = texels_of(read);
+  const std::span<const float> texels = values_of(read);
   REQUIRE(texels.size() == truth.size());
   double largest = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -124,7 +117,7 @@ TEST_CASE("progressive pictures, padding and a file's path give the same", "[cod
   const Shape base{64, 32, 3}, map{16, 8, 1};
   const std::pair segment{1, gain_xmp({})};
   const Environment plain = read(gain_map_file(picture(base), picture(map, {segment})));
-  const auto same = [&](const Environment& other) { return std::ranges::equal(texels_of(other), texels_of(plain)); };
+  const auto same = [&](const Environment& other) { return std::ranges::equal(values_of(other), values_of(plain)); };
   CHECK(same(read(gain_map_file(picture(base, {}, true), picture(map, {segment}, true)))));
   Bytes padded = picture(base);
   padded.insert(padded.end(), 1000, '\0');
@@ -155,7 +148,7 @@ TEST_CASE("a profile's primaries become Rec. 709", "[codec][jpeg]") {
     ReadOptions options = as_lat_long();
     options.primaries = wanted;
     const Environment environment = read(gain_map_file(base, map), options);
-    const std::span<const float> texels = texels_of(environment);
+    const std::span<const float> texels = values_of(environment);
     return std::array<double, 3>{texels[0], texels[1], texels[2]};
   };
   // White stays white, four times as bright.

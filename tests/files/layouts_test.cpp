@@ -30,10 +30,7 @@ std::filesystem::path write_picture(const TemporaryDirectory& directory, int wid
   return path;
 }
 
-ReadOptions as(Layout layout) {
-  ReadOptions options{.layout = layout};
-  return options;
-}
+ReadOptions as(Layout layout) { return {.layout = layout}; }
 
 }  // namespace
 

@@ -59,8 +59,7 @@ bool notes_say(const EnvironmentInfo& info, const std::string& words) {
 }
 
 ReadOptions as_lat_long(Transfer transfer = Transfer::automatic) {
-  ReadOptions options{.layout = Layout::lat_long, .transfer = transfer};
-  return options;
+  return {.layout = Layout::lat_long, .transfer = transfer};
 }
 
 // One texel of mid-grey, read.
@@ -172,8 +171,7 @@ TEST_CASE("a PNG's primaries become Rec. 709, or stay as stored", "[codec][png]"
   PngRecipe recipe{2, 1};
   const auto read = [&](Primaries wanted) {
     write_bytes(path, png_bytes(recipe, {255, 0, 0, 255, 255, 255}));
-    ReadOptions options{.primaries = wanted};
-    return read_environment(path, options);
+    return read_environment(path, {.primaries = wanted});
   };
   recipe.primaries = rec2020;
   const Environment converted = read(Primaries::rec709);

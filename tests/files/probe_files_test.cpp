@@ -17,14 +17,6 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-template <class Number>
-Number number_at(const std::vector<std::uint8_t>& bytes, std::size_t slot) {
-  Number number{};
-  REQUIRE(slot + sizeof number <= bytes.size());
-  std::memcpy(&number, bytes.data() + slot, sizeof number);
-  return number;
-}
-
 float distance(std::size_t probe, const dvec3& d) {
   if (d.y > 0.6) return kNothing;
   return static_cast<float>((probe % 4 == 1 ? -1.0 : 1.0) * (1.0 + 0.1 * static_cast<double>(probe) + d.x * d.x));
@@ -149,13 +141,13 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
       CHECK(texture["format"] == "rgba16f");
       const std::vector<std::uint8_t> file = bytes_of(folder.path() / texture["file"].get<std::string>());
       // KTX 2.0: VK_FORMAT_R16G16B16A16_SFLOAT, width, height, depth, no layers, one face, one level.
-      CHECK(number_at<std::uint32_t>(file, 12) == 97);
+      CHECK(number_at(file, 12) == 97);
       for (std::size_t a = 0; a < 3; ++a) {
-        CHECK(number_at<std::uint32_t>(file, 20 + 4 * a) == static_cast<std::uint32_t>(packed.textures[t].size[a]));
+        CHECK(number_at(file, 20 + 4 * a) == static_cast<std::uint32_t>(packed.textures[t].size[a]));
       }
-      CHECK(number_at<std::uint32_t>(file, 32) == 0);
-      CHECK(number_at<std::uint32_t>(file, 36) == 1);
-      CHECK(number_at<std::uint32_t>(file, 40) == 1);
+      CHECK(number_at(file, 32) == 0);
+      CHECK(number_at(file, 36) == 1);
+      CHECK(number_at(file, 40) == 1);
       const auto offset = number_at<std::uint64_t>(file, 80);
       const auto bytes = packed.textures[t].halves.size() * 2;
       CHECK(number_at<std::uint64_t>(file, 88) == bytes);

@@ -91,21 +91,10 @@ std::string zipped(const std::string& bytes) {
   return packed;
 }
 
-template <class Value>
-Value number_at(const std::string& bytes, std::size_t at) {
-  Value value{};
-  std::memcpy(&value, bytes.data() + at, sizeof value);
-  return value;
-}
-
 /// The sound file of that recipe with its first block, by place, replaced: `header_bytes` stand before its length.
 std::string with_block(const std::filesystem::path& sound, std::size_t blocks, std::size_t header_bytes,
                        const std::string& block) {
-  std::string bytes;
-  {
-    const std::vector<char> read = read_bytes(sound);
-    bytes.assign(read.begin(), read.end());
-  }
+  std::string bytes = read_text(sound);
   // The table of offsets ends where the first block begins.
   std::size_t table = 0;
   for (table = 8; number_at<std::uint64_t>(bytes, table) != table + 8 * blocks; ++table) {

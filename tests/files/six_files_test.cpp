@@ -57,10 +57,7 @@ void check_refusal(const std::filesystem::path& path, ErrorCode code, const std:
   CHECK(error.says(message));
 }
 
-ReadOptions as_six_files() {
-  ReadOptions options{.layout = Layout::six_files};
-  return options;
-}
+ReadOptions as_six_files() { return {.layout = Layout::six_files}; }
 
 }  // namespace
 

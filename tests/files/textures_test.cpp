@@ -65,12 +65,6 @@ bool is_rounded(const Cubemap& written, const Cubemap& read, TexelFormat format)
   return true;
 }
 
-std::uint64_t number(const std::vector<char>& bytes, std::size_t index, std::size_t count) {
-  std::uint64_t value = 0;
-  std::memcpy(&value, bytes.data() + index, count);
-  return value;
-}
-
 Cubemap half_chain(int size, int levels) {
   return changed(noisy_chain(size, levels), [](float value) { return static_cast<float>(Imath::half(value)); });
 }
@@ -114,36 +108,36 @@ TEST_CASE("a KTX2 file has its parts where the specification wants them", "[code
       const std::size_t texel = format == TexelFormat::rgba16f ? 8 : format == TexelFormat::rgba32f ? 16 : 4;
       CHECK(std::string(bytes.data() + 1, 6) == "KTX 20");
       constexpr std::array<std::uint64_t, 4> formats{97, 109, 122, 123};
-      CHECK(number(bytes, 12, 4) == formats[static_cast<std::size_t>(format)]);
-      CHECK(number(bytes, 20, 4) == 6);  // width and height
-      CHECK(number(bytes, 24, 4) == 6);
-      CHECK(number(bytes, 36, 4) == 6);  // faces
-      CHECK(number(bytes, 40, 4) == 3);  // levels
-      CHECK(number(bytes, 44, 4) == (packing == Supercompression::none   ? 0U
+      CHECK(number_at(bytes, 12) == formats[static_cast<std::size_t>(format)]);
+      CHECK(number_at(bytes, 20) == 6);  // width and height
+      CHECK(number_at(bytes, 24) == 6);
+      CHECK(number_at(bytes, 36) == 6);  // faces
+      CHECK(number_at(bytes, 40) == 3);  // levels
+      CHECK(number_at(bytes, 44) == (packing == Supercompression::none   ? 0U
                                      : packing == Supercompression::zstd ? 2U
                                                                          : 3U));
-      const std::size_t descriptor = number(bytes, 48, 4);
+      const std::size_t descriptor = number_at(bytes, 48);
       CHECK(descriptor == 80 + 3 * 24);
-      CHECK(number(bytes, descriptor, 4) == number(bytes, 52, 4));
+      CHECK(number_at(bytes, descriptor) == number_at(bytes, 52));
       const std::size_t samples = format == TexelFormat::e5b9g9r9 ? 6 : format == TexelFormat::b10g11r11 ? 3 : 4;
-      CHECK(number(bytes, 52, 4) == 4 + 24 + 16 * samples);
-      CHECK(number(bytes, descriptor + 20, 1) == texel);  // packed or not
-      const std::size_t metadata = number(bytes, 56, 4);
-      CHECK(metadata == descriptor + number(bytes, 52, 4));
-      const std::string text(bytes.data() + metadata, number(bytes, 60, 4));
+      CHECK(number_at(bytes, 52) == 4 + 24 + 16 * samples);
+      CHECK(number_at<std::uint8_t>(bytes, descriptor + 20) == texel);  // packed or not
+      const std::size_t metadata = number_at(bytes, 56);
+      CHECK(metadata == descriptor + number_at(bytes, 52));
+      const std::string text(bytes.data() + metadata, number_at(bytes, 60));
       CHECK(text.find("Alpha") < text.find("KTXorientation"));
       CHECK(text.find("KTXorientation") < text.find("KTXwriter"));
       CHECK(text.find("KTXwriter") < text.find("zeta"));
-      std::uint64_t end = metadata + number(bytes, 60, 4);
+      std::uint64_t end = metadata + number_at(bytes, 60);
       for (const std::size_t level : {2U, 1U, 0U}) {  // the smallest comes first
         const std::size_t entry = 80 + 24 * level;
-        const std::uint64_t offset = number(bytes, entry, 8);
+        const std::uint64_t offset = number_at<std::uint64_t>(bytes, entry);
         const std::uint64_t edge = 6U >> level;
         CHECK(offset >= end);
         CHECK(offset < end + texel);
         if (packing == Supercompression::none) CHECK(offset % texel == 0);
-        CHECK(number(bytes, entry + 16, 8) == 6 * edge * edge * texel);
-        end = offset + number(bytes, entry + 8, 8);
+        CHECK(number_at<std::uint64_t>(bytes, entry + 16) == 6 * edge * edge * texel);
+        end = offset + number_at<std::uint64_t>(bytes, entry + 8);
       }
       CHECK(end == bytes.size());
     }
@@ -158,10 +152,10 @@ TEST_CASE("a DDS file has face after face, with its levels from the largest to t
   REQUIRE(bytes.size() == 148 + 6 * (16 + 4 + 1) * 8);
   CHECK(std::string(bytes.data(), 4) == "DDS ");
   CHECK(std::string(bytes.data() + 84, 4) == "DX10");
-  CHECK(number(bytes, 28, 4) == 3);
-  CHECK(number(bytes, 112, 4) == 0xFE00);
-  CHECK(number(bytes, 128, 4) == 10);
-  CHECK(number(bytes, 136, 4) == 4);
+  CHECK(number_at(bytes, 28) == 3);
+  CHECK(number_at(bytes, 112) == 0xFE00);
+  CHECK(number_at(bytes, 128) == 10);
+  CHECK(number_at(bytes, 136) == 4);
   std::size_t index = 148;
   bool right = true;
   for (int face = 0; face < 6; ++face) {
@@ -169,10 +163,10 @@ TEST_CASE("a DDS file has face after face, with its levels from the largest to t
       for (std::size_t i = 0; i < face_values(chain, level); i += 3, index += 8) {
         for (std::size_t c = 0; c < 3; ++c) {
           Imath::half half;
-          half.setBits(static_cast<std::uint16_t>(number(bytes, index + 2 * c, 2)));
+          half.setBits(number_at<std::uint16_t>(bytes, index + 2 * c));
           right = right && static_cast<float>(half) == chain.face(level, face)[i + c];
         }
-        right = right && number(bytes, index + 6, 2) == 0x3C00;
+        right = right && number_at<std::uint16_t>(bytes, index + 6) == 0x3C00;
       }
     }
   }
@@ -187,11 +181,9 @@ TEST_CASE("each level of a mip-mapped OpenEXR cube is read back, in our frames",
       write_texture(path, chain.views(), {format, Supercompression::none, {{"roughness", "0 0.5 1"}}});
       for (int level = 0; level < levels; ++level) {
         CAPTURE(size, levels, level);
-        ReadOptions options{.level = level};
-        const Environment read = read_environment(path, options);
+        const Environment read = read_environment(path, {.level = level});
         REQUIRE(read.face_size() == chain.level_size(level));
-        CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, level)},
-                                {chain.face(level, 0), 6 * face_values(chain, level)}));
+        CHECK(same_bytes(values_of(read), level_values(chain, level)));
       }
     }
   }
@@ -204,8 +196,7 @@ TEST_CASE("levels of an OpenEXR cube that were not given are means of the last o
   const TemporaryDirectory directory;
   const Cubemap chain = half_chain(16, 2);
   write_texture(directory.file("sky.exr"), chain.views(), {TexelFormat::rgba32f});
-  ReadOptions options{.level = 3};
-  const Environment read = read_environment(directory.file("sky.exr"), options);
+  const Environment read = read_environment(directory.file("sky.exr"), {.level = 3});
   REQUIRE(read.face_size() == 2);
   for (int face = 0; face < 6; ++face) {
     double sum = 0.0;  // of the top left quarter of 8 x 8
@@ -223,8 +214,7 @@ TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]")
     write_texture(directory.file("sky.exr"), chain.views(), {});
     const Environment read = read_environment(directory.file("sky.exr"));
     CHECK(read.face_size() == size);
-    CHECK(same_bytes<float>({read.pixels.get(), 6 * face_values(chain, 0)},
-                            {chain.face(0, 0), 6 * face_values(chain, 0)}));
+    CHECK(same_bytes(values_of(read), level_values(chain, 0)));
   }
 }
 
@@ -271,22 +261,22 @@ TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[
       bool right = bytes.size() == index + 8 * texels;
       for (std::size_t i = 0; right && i < 3 * texels; ++i) {
         Imath::half half;
-        half.setBits(static_cast<std::uint16_t>(number(bytes, index + i / 3 * 8 + i % 3 * 2, 2)));
+        half.setBits(number_at<std::uint16_t>(bytes, index + i / 3 * 8 + i % 3 * 2));
         right = static_cast<float>(half) == rgb[i];
       }
       return right;
     };
     write_texture_2d(directory.file("table.ktx2"), width, height, rgb);
     std::vector<char> bytes = read_bytes(directory.file("table.ktx2"));
-    CHECK(number(bytes, 20, 4) == static_cast<std::uint64_t>(width));
-    CHECK(number(bytes, 24, 4) == static_cast<std::uint64_t>(height));
-    CHECK(number(bytes, 36, 4) == 1);
-    CHECK(holds_halves(bytes, number(bytes, 80, 8)));
+    CHECK(number_at(bytes, 20) == static_cast<std::uint64_t>(width));
+    CHECK(number_at(bytes, 24) == static_cast<std::uint64_t>(height));
+    CHECK(number_at(bytes, 36) == 1);
+    CHECK(holds_halves(bytes, number_at<std::uint64_t>(bytes, 80)));
     write_texture_2d(directory.file("table.dds"), width, height, rgb);
     bytes = read_bytes(directory.file("table.dds"));
-    CHECK(number(bytes, 112, 4) == 0);
-    CHECK(number(bytes, 12, 4) == static_cast<std::uint64_t>(height));
-    CHECK(number(bytes, 16, 4) == static_cast<std::uint64_t>(width));
+    CHECK(number_at(bytes, 112) == 0);
+    CHECK(number_at(bytes, 12) == static_cast<std::uint64_t>(height));
+    CHECK(number_at(bytes, 16) == static_cast<std::uint64_t>(width));
     CHECK(holds_halves(bytes, 148));
   }
   const auto refusal = [&](const char* file, int width, const float* pixels) {
@@ -307,35 +297,27 @@ TEST_CASE("Octahedral maps go to KTX2 with all levels, and to OpenEXR a level a 
     const WriteReport report =
         write_octahedral({bytes, "map.ktx2"}, map, {TexelFormat::rgba32f, packing, {{"note", "x"}}});
     CHECK(report.values_clamped == 0);
-    const auto field = [&bytes](std::size_t offset) {
-      std::uint32_t value = 0;
-      std::memcpy(&value, bytes.data() + offset, sizeof value);
-      return value;
-    };
-    CHECK(field(12) == 109);  // VK_FORMAT_R32G32B32A32_SFLOAT
-    CHECK(field(20) == 24);
-    CHECK(field(24) == 24);
-    CHECK(field(36) == 1);  // face
-    CHECK(field(40) == 3);  // levels
+    CHECK(number_at(bytes, 12) == 109);  // VK_FORMAT_R32G32B32A32_SFLOAT
+    CHECK(number_at(bytes, 20) == 24);
+    CHECK(number_at(bytes, 24) == 24);
+    CHECK(number_at(bytes, 36) == 1);  // face
+    CHECK(number_at(bytes, 40) == 3);  // levels
     const std::string whole(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     CHECK(whole.find(std::string("welkin.octahedral_border\0004\000", 27)) != std::string::npos);
     if (packing != Supercompression::none) continue;
     for (std::size_t level = 0; level < 3; ++level) {
-      const std::uint32_t offset = field(80 + 24 * level);
+      const std::uint32_t offset = number_at(bytes, 80 + 24 * level);
       const auto texels = static_cast<std::uint32_t>(map.levels[level].size() / 3);
-      CHECK(field(80 + 24 * level + 8) == 16 * texels);
+      CHECK(number_at(bytes, 80 + 24 * level + 8) == 16 * texels);
       for (std::uint32_t texel = 0; texel < texels; ++texel) {
-        float red = 0.0F;
-        std::memcpy(&red, bytes.data() + offset + 16 * texel, sizeof red);
-        REQUIRE(red == map.levels[level][3 * texel]);
+        REQUIRE(number_at<float>(bytes, offset + 16 * texel) == map.levels[level][3 * texel]);
       }
     }
   }
   const WriteReport pictures = write_octahedral(directory.file("map.exr"), map, {TexelFormat::rgba32f});
   REQUIRE(pictures.files.size() == 3);
   CHECK(pictures.files[2].filename() == "map_m2.exr");
-  ReadOptions plain{.layout = Layout::lat_long};
-  const Environment read = read_environment(pictures.files[1], plain);
+  const Environment read = read_environment(pictures.files[1], {.layout = Layout::lat_long});
   REQUIRE(read.info.width == 12);
   REQUIRE(read.info.height == 12);
   CHECK(std::equal(map.levels[1].begin(), map.levels[1].end(), read.pixels.get()));

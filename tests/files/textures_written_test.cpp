@@ -29,13 +29,6 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-std::uint32_t word(const std::string& bytes, std::size_t index) {
-  std::uint32_t value = 0;
-  REQUIRE(index + sizeof value <= bytes.size());
-  std::memcpy(&value, bytes.data() + index, sizeof value);
-  return value;
-}
-
 }  // namespace
 
 TEST_CASE("KTX of the first version holds what KTX2 holds, of each format", "[codec][textures]") {
@@ -70,7 +63,8 @@ TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face be
     std::vector<std::uint32_t> header{0x04030201};
     header.insert(header.end(), each.header.begin(), each.header.end());
     header.insert(header.end(), {8, 8, 0, 0, 6, 4, 12});
-    for (std::size_t field = 0; field < header.size(); ++field) CHECK(word(bytes, 12 + 4 * field) == header[field]);
+    for (std::size_t field = 0; field < header.size(); ++field)
+      CHECK(number_at(bytes, 12 + 4 * field) == header[field]);
     CHECK(bytes.substr(64, 12) == std::string("\6\0\0\0sh\00012\0\0\0", 12));
     std::size_t index = 76;
     for (int level = 0; level < 4; ++level) {
@@ -80,7 +74,7 @@ TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face be
                                         : each.format == TexelFormat::rgba16f ? 8
                                                                               : 4;
       const std::uint32_t face = each.header[0] == 0 ? blocks : size * size * texel_bytes;
-      CHECK(word(bytes, index) == face);
+      CHECK(number_at(bytes, index) == face);
       index += 4 + 6 * face;
     }
     CHECK(index == bytes.size());
@@ -101,14 +95,14 @@ TEST_CASE("a file of Filament's cmgen that is read and written has the same head
     CHECK(read_texture(directory.file("again.ktx")).metadata == texture.metadata);
     const std::string wanted = read_text(path);
     const std::string got = read_text(directory.file("again.ktx"));
-    CHECK(word(wanted, kFormat) == 0x8C3A);  // as cmgen had it before 1.8: since then it is GL_RGB
-    CHECK(word(got, kFormat) == 0x1907);
+    CHECK(number_at(wanted, kFormat) == 0x8C3A);  // as cmgen had it before 1.8: since then it is GL_RGB
+    CHECK(number_at(got, kFormat) == 0x1907);
     CHECK(got.substr(0, kFormat) == wanted.substr(0, kFormat));
     CHECK(got.substr(kFormat + 4, kMetadataBytes - kFormat - 4) ==
           wanted.substr(kFormat + 4, kMetadataBytes - kFormat - 4));
     // Our text ends with a zero byte, as the specification recommends; cmgen's does not.
-    const bool same_levels =
-        got.substr(kMetadata + word(got, kMetadataBytes)) == wanted.substr(kMetadata + word(wanted, kMetadataBytes));
+    const bool same_levels = got.substr(kMetadata + number_at(got, kMetadataBytes)) ==
+                             wanted.substr(kMetadata + number_at(wanted, kMetadataBytes));
     CHECK(same_levels);
   }
 }
@@ -201,9 +195,8 @@ Bytes counted_floats(std::size_t texels, std::size_t channels) {
 /// Pixels of an environment that was read, red alone.
 std::vector<float> reds(const Bytes& file, const ReadOptions& options = {}) {
   const Environment read = read_environment({file, "texture"}, options);
-  const auto texels = static_cast<std::size_t>(read.info.width) * static_cast<std::size_t>(read.info.height);
   std::vector<float> values;
-  for (std::size_t k = 0; k < texels; ++k) values.push_back(read.pixels[3 * k]);
+  for (std::size_t k = 0; k < values_of(read).size(); k += 3) values.push_back(read.pixels[k]);
   return values;
 }
 
@@ -235,9 +228,9 @@ TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
   // other shapes hold other layouts
   CHECK(inspect_environment({ktx2({kRgb32f, 4, 1, 6, 0, 1}, {counted_floats(6, 3)}), "texture"}).layout ==
         Layout::vertical_strip);
-  CHECK(refusal(ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)})).says("5 x 1"));
-  ReadOptions asked{.layout = Layout::lat_long};
-  CHECK(reds(ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)}), asked) == counting(1, 3, 5));
+  const Bytes five = ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)});
+  CHECK(refusal(five).says("5 x 1"));
+  CHECK(reds(five, {.layout = Layout::lat_long}) == counting(1, 3, 5));
 }
 
 TEST_CASE("KTX2 pictures of packed floats are read", "[codec][textures]") {

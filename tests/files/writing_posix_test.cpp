@@ -63,8 +63,7 @@ TEST_CASE("A full disk leaves no file, and says what happened", "[writers]") {
 TEST_CASE("A file that is replaced hands on its permissions", "[writers]") {
   const LatLongImage map{8, 4, some_pixels(8, 4)};
   for (const auto mode : {std::filesystem::perms{0600}, std::filesystem::perms{0664}}) {
-    const TemporaryDirectory directory;
-    const auto path = directory.file("sky.pfm");
+    const TemporaryFile path("sky.pfm");
     write_bytes(path, {'o', 'l', 'd'});
     std::filesystem::permissions(path, mode);
     write_environment(path, map.view());

@@ -130,8 +130,7 @@ inline Job<int> post_value(Worker& worker, int value, const PostOptions& options
 
 /// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
 inline WorkerOptions options_with(int threads) {
-  WorkerOptions options{.threads = threads, .thread_priority = ThreadPriority::normal};
-  return options;
+  return {.threads = threads, .thread_priority = ThreadPriority::normal};
 }
 
 /// Keeps all threads of a worker busy until it is let go.
@@ -173,10 +172,7 @@ class ArenaExecutor final : public Executor {
   tbb::task_arena& arena_;
 };
 
-inline WorkerOptions lent(std::shared_ptr<Executor> executor) {
-  WorkerOptions options{.executor = std::move(executor)};
-  return options;
-}
+inline WorkerOptions lent(std::shared_ptr<Executor> executor) { return {.executor = std::move(executor)}; }
 
 inline WorkerOptions lent(tbb::task_arena& arena) { return lent(std::make_shared<ArenaExecutor>(arena)); }
 

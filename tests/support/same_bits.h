@@ -49,11 +49,16 @@ inline bool same_bits(const LatLongImage& a, const LatLongImage& b) {
   return a.width == b.width && a.height == b.height && same_bytes<float>(a.pixels, b.pixels);
 }
 
+/// All pixels of a picture, or of six faces.
+inline std::span<const float> values_of(const Environment& read) {
+  const auto face = static_cast<std::size_t>(read.face_size());
+  const std::size_t picture = static_cast<std::size_t>(read.info.width) * static_cast<std::size_t>(read.info.height);
+  return {read.pixels.get(), 3 * (face > 0 ? 6 * face * face : picture)};
+}
+
 inline bool same_bits(const Environment& a, const Environment& b) {
-  const std::size_t values =
-      std::size_t{3} * static_cast<std::size_t>(a.info.width) * static_cast<std::size_t>(a.info.height);
   return a.info.layout == b.info.layout && a.info.width == b.info.width && a.info.height == b.info.height &&
-         same_bytes<float>({a.pixels.get(), values}, {b.pixels.get(), values});
+         same_bytes(values_of(a), values_of(b));
 }
 
 inline bool same_bits(const EnvironmentStatistics& a, const EnvironmentStatistics& b) {

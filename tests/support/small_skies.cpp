@@ -14,16 +14,15 @@ SkyView sky_view_of(const Atmosphere& atmosphere, const SkyTableOptions& options
 }
 
 SkyTableOptions tiny_tables() {
-  SkyTableOptions options{.heights = 4,
-                          .view_zeniths = 16,
-                          .sun_zeniths = 8,
-                          .sun_angles = 4,
-                          .transmittance_heights = 16,
-                          .transmittance_zeniths = 64,
-                          .irradiance_heights = 4,
-                          .irradiance_sun_zeniths = 16,
-                          .orders = 1};
-  return options;
+  return {.heights = 4,
+          .view_zeniths = 16,
+          .sun_zeniths = 8,
+          .sun_angles = 4,
+          .transmittance_heights = 16,
+          .transmittance_zeniths = 64,
+          .irradiance_heights = 4,
+          .irradiance_sun_zeniths = 16,
+          .orders = 1};
 }
 
 std::shared_ptr<const SkyTables> small_earth() {

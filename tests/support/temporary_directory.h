@@ -4,8 +4,11 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -54,6 +57,16 @@ inline std::vector<char> read_bytes(const std::filesystem::path& path) {
 inline void write_bytes(const std::filesystem::path& path, const std::vector<char>& bytes) {
   std::ofstream stream(path, std::ios::binary);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// The number, of the processor's byte order, that lies at `offset` in a file's bytes.
+template <class Number = std::uint32_t, class Bytes>
+Number number_at(const Bytes& bytes, std::size_t offset) {
+  static_assert(sizeof(*bytes.data()) == 1);
+  Number number{};
+  if (offset + sizeof number > bytes.size()) throw std::out_of_range("the file ends before this number");
+  std::memcpy(&number, bytes.data() + offset, sizeof number);
+  return number;
 }
 
 /// Empty if there is no such file.

@@ -41,22 +41,18 @@ std::vector<float> texels(const Cubemap& chain, int level) {
 TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "some" / "where";
-  const CommandResult result = run_welkin("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
-  INFO(result.errors);
-  REQUIRE(result.exit_code == 0);
-  CHECK(result.errors.empty());
+  const std::string said = printed_by("bake --sky --formats ktx2,env -o " + quoted(folder) + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2", "environment.env", "sh.json", "sh.h",
                            "preview_environment.png", "preview_spheres.png", "preview_mips.png", "manifest.json"}) {
     INFO(name);
-    CHECK(contains(result.output, name));
+    CHECK(contains(said, name));
     CHECK(std::filesystem::exists(folder / name));
   }
   check_manifest_matches(folder);
 }
 
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   const auto manifest = bake_into(folder, small_picture() +
                                               " --size 32 --mips 5 --roughness filament --background-size 24 "
                                               "--irradiance 7 --no-previews --formats ktx2,env");
@@ -87,8 +83,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 }
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() +
                         " --size 32 --irradiance 8 --brdf 8 --no-previews --formats ktx2,exr --ktx2-format rgba32f "
                         "--lobe charlie,lambert,phong --octahedral 32");
@@ -173,8 +168,7 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
 }
 
 TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder,
             small_picture() +
                 " --formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5 --no-previews" +
@@ -188,10 +182,8 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
     const std::vector<float> wanted = texels(ktx2.cubemap, level);
     CHECK(texels(dds.cubemap, level) == wanted);
     const std::string number = std::to_string(level);
-    const Environment pfm = read_environment(folder / ("specular_m" + number + ".pfm"));
-    CHECK(std::equal(wanted.begin(), wanted.end(), pfm.pixels.get()));
-    ReadOptions exr_level{.level = level};
-    const Environment exr = read_environment(folder / "specular.exr", exr_level);
+    CHECK(pixels_in(folder / ("specular_m" + number + ".pfm")) == wanted);
+    const Environment exr = read_environment(folder / "specular.exr", {.level = level});
     REQUIRE(exr.face_size() == 16 >> level);
     CHECK(std::equal(wanted.begin(), wanted.end(), exr.pixels.get()));
     const Environment hdr = read_environment(folder / ("specular_m" + number + ".hdr"));
@@ -263,8 +255,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow
 
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
           "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --no-previews" + kSmall);
   std::ofstream(folder / "mine.txt") << "keep";
   std::ofstream(folder / "specular.ktx2") << "old";
@@ -278,8 +269,7 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
 }
 
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --no-previews --for three --bands 4" + kSmall);
   const nlohmann::json baked = json_of(file_text(folder / "sh.json"));
   const nlohmann::json sh = run_sh_json(small_picture() + " --for three --bands 4");

@@ -16,10 +16,8 @@ namespace {
 /// A PNG as light.
 class Preview {
  public:
-  explicit Preview(const std::filesystem::path& path) {
-    ReadOptions options{.layout = Layout::lat_long};
-    picture_ = read_environment(path, options);
-  }
+  explicit Preview(const std::filesystem::path& path)
+      : picture_(read_environment(path, {.layout = Layout::lat_long})) {}
 
   [[nodiscard]] int width() const { return picture_.info.width; }
   [[nodiscard]] int height() const { return picture_.info.height; }
@@ -69,7 +67,9 @@ std::array<float, 3> on_sphere(const Preview& spheres, int column, int row, doub
 
 }  // namespace
 
-TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]") {
+TEST_CASE(
+    "bake: the panorama shows what one sees who faces +z, and spheres mirror what is behind and are lit from above",
+    "[tools][bake]") {
   const TemporaryDirectory scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
@@ -86,22 +86,17 @@ TEST_CASE("bake: the panorama shows what one sees who faces +z", "[tools][bake]"
       CHECK(std::abs(at(x, 0.3)[channel] - at(x + 0.004, 0.3)[channel]) < 0.02F);
     }
   }
-}
 
-TEST_CASE("bake: the spheres mirror what is behind the viewer, and are lit from above by the sky", "[tools][bake]") {
-  const TemporaryDirectory scratch;
-  const auto in = write_directions(scratch.path());
-  bake_into(scratch.path() / "out", quoted(in) + " --size 64");
   const Preview spheres(scratch.path() / "out" / "preview_spheres.png");
   REQUIRE(spheres.height() == 2 * kRow);
   REQUIRE(spheres.width() == 6 * kPitch + 64);
   for (int row = 0; row < 2; ++row) {
     for (int sphere = 0; sphere < 6; ++sphere) {
       INFO("row " << row << ", sphere " << sphere);
-      const auto at = [&](double u, double v) { return on_sphere(spheres, sphere, row, u, v); };
-      CHECK(at(0.55, 0.0)[0] > 1.05F * at(-0.55, 0.0)[0]);  // +x is to the right
-      CHECK(at(0.0, 0.55)[1] > 1.05F * at(0.0, -0.55)[1]);  // +y is up
-      CHECK(at(0.0, 0.0)[2] > 1.05F * at(0.9, 0.0)[2]);     // +z is behind the viewer
+      const auto on = [&](double u, double v) { return on_sphere(spheres, sphere, row, u, v); };
+      CHECK(on(0.55, 0.0)[0] > 1.05F * on(-0.55, 0.0)[0]);  // +x is to the right
+      CHECK(on(0.0, 0.55)[1] > 1.05F * on(0.0, -0.55)[1]);  // +y is up
+      CHECK(on(0.0, 0.0)[2] > 1.05F * on(0.9, 0.0)[2]);     // +z is behind the viewer
     }
   }
 }

@@ -76,8 +76,7 @@ TEST_CASE("bake: none of six files is written over", "[tools][bake][posix]") {
 }
 
 TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto out = scratch.path() / "out";
+  const TemporaryFile out("out");
   const std::string start = "bake --sky -o " + quoted(out) + " ";
   CHECK(contains(failure("bake", 2), "INPUT is missing"));
   for (const char* option : {"--size 0",

@@ -156,7 +156,7 @@ TEST_CASE("command: check finds nothing in even light, at any size", "[tools][ch
   const TemporaryDirectory directory;
   const auto source = directory.file("grey.pfm");
   write_pfm(source, 16, 8, grey_picture(16, 8, 0.5F));
-  for (const int size : {1, 2, 3, 7, 64, 257}) {
+  for (const int size : {1, 2, 3, 7, 64, 129}) {
     Cubemap chain(size, std::min(full_chain_levels(size), 3));
     std::ranges::fill(chain.pixels(), 0.5F);
     write_texture(directory.file("chain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
@@ -189,8 +189,7 @@ TEST_CASE("command: check names edges that do not fit", "[tools][check][slow]") 
 TEST_CASE("command: check reads irradiance, .env files and folders of faces", "[tools][check][slow]") {
   const Room room;
   const auto out = room.file("out");
-  REQUIRE(run_welkin("bake -q --no-previews --size 32 --formats ktx2 -o " + quoted(out) + " " + quoted(room.source()))
-              .exit_code == 0);
+  printed_by("bake -q --no-previews --size 32 --formats ktx2 -o " + quoted(out) + " " + quoted(room.source()));
   const nlohmann::json irradiance = room.check(out / "irradiance.ktx2");
   CHECK(irradiance["lobe"] == "lambert");
   CHECK(irradiance["unit"].get<double>() == Approx(double{std::numbers::pi}));

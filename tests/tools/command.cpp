@@ -3,6 +3,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/pictures.h"
+#include "support/same_bits.h"
 #include "tools/baked_folder.h"
 
 namespace welkin::test {
@@ -13,16 +14,20 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
 
 nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text); }
 
-nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment) {
+std::string printed_by(const std::string& arguments, const std::string& environment) {
   const CommandResult result = run_welkin(arguments, environment);
   INFO("welkin " << arguments << "\nstandard error: " << result.errors);
   REQUIRE(result.exit_code == 0);
   REQUIRE(result.errors.empty());
-  return json_of(result.output);
+  return result.output;
 }
 
-std::string failure(const std::string& arguments, int exit_code) {
-  const CommandResult result = run_welkin(arguments);
+nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment) {
+  return json_of(printed_by(arguments, environment));
+}
+
+std::string failure(const std::string& arguments, int exit_code, const std::string& environment) {
+  const CommandResult result = run_welkin(arguments, environment);
   INFO("welkin " << arguments << "\nstandard error: " << result.errors);
   CHECK(result.exit_code == exit_code);
   CHECK(result.output.empty());
@@ -67,6 +72,11 @@ const std::string& small_picture() {
   return path;
 }
 
+std::vector<float> pixels_in(const std::filesystem::path& file) {
+  const Environment read = read_environment(file);
+  return {values_of(read).begin(), values_of(read).end()};
+}
+
 std::vector<float> grey_picture(int width, int height, float value) {
   return std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, value);
 }
@@ -81,10 +91,7 @@ nlohmann::json manifest_of(const std::filesystem::path& folder) { return json_of
 
 nlohmann::json bake_into(const std::filesystem::path& folder, const std::string& arguments,
                          const std::string& environment) {
-  const CommandResult result = run_welkin("bake " + arguments + " -o " + quoted(folder), environment);
-  INFO("welkin bake " << arguments << "\nstandard error: " << result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
+  printed_by("bake " + arguments + " -o " + quoted(folder), environment);
   return manifest_of(folder);
 }
 

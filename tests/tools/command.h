@@ -24,11 +24,14 @@ CommandResult run_program(const std::filesystem::path& program, const std::strin
 /// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
 nlohmann::json json_of(const std::string& text);
 
-/// Runs `welkin ARGUMENTS`, requires success and silence on standard error, and parses the output.
+/// Runs `welkin ARGUMENTS`, requires success and silence on standard error; what it says on standard output.
+std::string printed_by(const std::string& arguments, const std::string& environment = "");
+
+/// The same, parsed.
 nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment = "");
 
 /// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
-std::string failure(const std::string& arguments, int exit_code);
+std::string failure(const std::string& arguments, int exit_code, const std::string& environment = "");
 
 /// That of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
@@ -48,6 +51,9 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
 /// A picture of 64 x 32 texels, bright on one side, in quotes for `arguments`: for promises about any light. (The
 /// built-in sky is computed by each run that asks for it.) All its harmonics of three bands differ from 0.
 const std::string& small_picture();
+
+/// All pixels of a picture, or of six faces.
+std::vector<float> pixels_in(const std::filesystem::path& file);
 
 /// The same grey everywhere.
 std::vector<float> grey_picture(int width, int height, float value);

@@ -14,52 +14,33 @@ using namespace welkin::test;
 
 // `welkin convert` and `welkin testmap`: what they write, what they say, and what they leave alone.
 
-namespace {
-
-/// Runs, requires success, and gives what was said on standard output.
-std::string succeed(const std::string& arguments) {
-  const CommandResult result = run_welkin(arguments);
-  INFO(arguments << '\n' << result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
-  return result.output;
-}
-
-std::vector<float> pixels_of(const std::filesystem::path& path) {
-  const Environment read = read_environment(path);
-  return {read.pixels.get(), read.pixels.get() + std::size_t{3} * static_cast<std::size_t>(read.info.width) *
-                                                     static_cast<std::size_t>(read.info.height)};
-}
-
-}  // namespace
-
 TEST_CASE("command: convert leaves every texel as it is where nothing asks for more", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
   write_pfm(in, 32, 16, some_pixels(32, 16));
   for (const std::string out : {"a.exr --type float", "b.pfm", "c.exr --type float --layout lat-long --size 32"}) {
     const auto path = directory.file(out.substr(0, 5));
-    const std::string said = succeed("convert " + quoted(in) + " " + quoted(path) + out.substr(5));
+    const std::string said = printed_by("convert " + quoted(in) + " " + quoted(path) + out.substr(5));
     CHECK(said == path.string() + ": lat-long, 32 x 16\n");
-    CHECK(pixels_of(path) == some_pixels(32, 16));
+    CHECK(pixels_in(path) == some_pixels(32, 16));
   }
 }
 
 TEST_CASE("command: convert goes through every layout of a cube and back", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto first = directory.file("first.pfm");
-  succeed("testmap -o " + quoted(first) + " --size 8 --layout vertical-strip");
-  const std::vector<float> wanted = pixels_of(first);
+  printed_by("testmap -o " + quoted(first) + " --size 8 --layout vertical-strip");
+  const std::vector<float> wanted = pixels_in(first);
   for (const std::string layout :
        {"vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross", "six-files"}) {
     CAPTURE(layout);
     const auto there = directory.file("there.exr");
     const std::string said =
-        succeed("convert " + quoted(first) + " " + quoted(there) + " --type float --layout " + layout);
+        printed_by("convert " + quoted(first) + " " + quoted(there) + " --type float --layout " + layout);
     const auto from = layout == "six-files" ? directory.file("there_px.exr") : there;
     CHECK(contains(said, from.string() + ": "));
-    succeed("convert " + quoted(from) + " " + quoted(directory.file("back.pfm")) + " --in-layout " + layout);
-    CHECK(pixels_of(directory.file("back.pfm")) == wanted);
+    printed_by("convert " + quoted(from) + " " + quoted(directory.file("back.pfm")) + " --in-layout " + layout);
+    CHECK(pixels_in(directory.file("back.pfm")) == wanted);
   }
 }
 
@@ -67,11 +48,11 @@ TEST_CASE("command: convert turns, mirrors and resizes as the library does", "[t
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
   const auto out = directory.file("out.pfm");
-  succeed("testmap -o " + quoted(in) + " --size 64");
+  printed_by("testmap -o " + quoted(in) + " --size 64");
   const Environment source = read_environment(in);
   const auto converted = [&](const std::string& options) {
-    succeed("convert " + quoted(in) + " " + quoted(out) + " " + options);
-    return pixels_of(out);
+    printed_by("convert " + quoted(in) + " " + quoted(out) + " " + options);
+    return pixels_in(out);
   };
   glm::dmat3 mirror(1.0);
   mirror[0][0] = -1.0;
@@ -92,7 +73,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   std::vector<float> pixels = grey_picture(64, 32, 20.0F);
   std::fill_n(pixels.begin(), 3 * 64 * 8, 400.0F);  // a quarter of the rows, less of the sphere
   write_pfm(in, 64, 32, pixels);
-  const std::string plain = succeed("convert " + quoted(in) + " " + quoted(out));
+  const std::string plain = printed_by("convert " + quoted(in) + " " + quoted(out));
   CHECK(contains(plain, "range, clamped; --tone-map makes an image for viewing"));
   const auto shown = [&](double exposure, double radiance) {
     const double x = exposure * radiance;
@@ -100,8 +81,8 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   };
   const auto check = [&](const std::string& options, double exposure, double first = 400.0) {
     INFO(options);
-    CHECK_FALSE(contains(succeed("convert " + quoted(in) + " " + quoted(out) + " --tone-map" + options), "clamped"));
-    const std::vector<float> seen = pixels_of(out);
+    CHECK_FALSE(contains(printed_by("convert " + quoted(in) + " " + quoted(out) + " --tone-map" + options), "clamped"));
+    const std::vector<float> seen = pixels_in(out);
     CHECK(static_cast<double>(seen.front()) == Approx(shown(exposure, first)).epsilon(0.02));
     CHECK(static_cast<double>(seen.back()) == Approx(shown(exposure, 20.0)).epsilon(0.02));
   };
@@ -112,28 +93,25 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   const std::string previews = quoted(in) + " --size 32 --irradiance 0 --no-brdf --preview-size 16";
   CHECK(bake_into(directory.file("baked"), previews).at("previews").at("exposure").get<double>() ==
         Approx(0.36 / 20.0).epsilon(1e-3));
-  const CommandResult refused = run_welkin("convert " + quoted(in) + " x.exr --tone-map");
-  CHECK(refused.exit_code == 2);
-  CHECK(contains(refused.errors, "--tone-map is for .png"));
-  CHECK(run_welkin("convert " + quoted(in) + " x.png --exposure 1").exit_code == 2);
+  CHECK(contains(failure("convert " + quoted(in) + " x.exr --tone-map", 2), "--tone-map is for .png"));
+  failure("convert " + quoted(in) + " x.png --exposure 1", 2);
 }
 
 TEST_CASE("command: convert refuses with the right exit code", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
   write_pfm(in, 4, 2, grey_picture(4, 2, 0.5F));
-  const auto code = [&](const std::string& arguments) { return run_welkin(arguments).exit_code; };
   const std::string start = "convert " + quoted(in) + " " + quoted(directory.file("out"));
-  CHECK(code(start + ".gif") == 1);
-  CHECK(code(start + ".hdr --type float") == 2);
-  CHECK(code(start + ".pfm --size 60000 --memory-limit 1MB") == 1);
-  CHECK(code(start + ".pfm --rotation 1,2,3") == 2);
-  CHECK(code(start + ".pfm --rotation 0,0,0,0") == 2);
-  CHECK(code(start + ".pfm --size 0") == 2);
-  CHECK(code(start + ".pfm --yaw nan") == 2);
-  CHECK(code("convert " + quoted(in)) == 2);
-  CHECK(code("convert nowhere.exr " + quoted(directory.file("out.exr"))) == 1);
-  CHECK(code("testmap -o " + quoted(directory.file("none/out.png"))) == 1);
+  failure(start + ".gif", 1);
+  failure(start + ".hdr --type float", 2);
+  failure(start + ".pfm --size 60000 --memory-limit 1MB", 1);
+  failure(start + ".pfm --rotation 1,2,3", 2);
+  failure(start + ".pfm --rotation 0,0,0,0", 2);
+  failure(start + ".pfm --size 0", 2);
+  failure(start + ".pfm --yaw nan", 2);
+  failure("convert " + quoted(in), 2);
+  failure("convert nowhere.exr " + quoted(directory.file("out.exr")), 1);
+  failure("testmap -o " + quoted(directory.file("none/out.png")), 1);
 }
 
 // `welkin convert` and `welkin testmap` refuse what they cannot write before they begin.
@@ -148,9 +126,7 @@ TEST_CASE("command: convert refuses an OUT that cannot be written before it deco
   for (int component = 0; component < 4; ++component) bytes += {static_cast<char>(128 + 20), '\x80'};
   std::ofstream(in, std::ios::binary) << bytes << std::string(800, '\2');
   const auto refusal = [&](const std::string& out, int code) {
-    const CommandResult result = run_welkin("convert " + quoted(in) + " " + out);
-    CHECK(result.exit_code == code);
-    return result.errors;
+    return failure("convert " + quoted(in) + " " + out, code);
   };
   CHECK(contains(refusal(quoted(folder.path() / "out.exr"), 1), "in.hdr"));
   CHECK(contains(refusal("x.jpg", 1), "\".jpg\" is not written"));

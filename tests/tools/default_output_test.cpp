@@ -18,22 +18,11 @@ struct Workplace {
     std::filesystem::create_directory(folder.path() / "hdr");
     write_pfm(folder.path() / "hdr" / "city.pfm", 16, 8, grey_picture(16, 8, 1.0F));
   }
-  [[nodiscard]] CommandResult run(const std::string& arguments) const {
-    return run_welkin(arguments, "cd " + quoted(folder.path()) + " &&");
-  }
+  [[nodiscard]] std::string go() const { return "cd " + quoted(folder.path()) + " &&"; }
   /// What is said on standard output.
-  [[nodiscard]] std::string succeed(const std::string& arguments) const {
-    const CommandResult result = run(arguments);
-    INFO(arguments << '\n' << result.errors);
-    CHECK(result.exit_code == 0);
-    return result.output;
-  }
+  std::string succeed(const std::string& arguments) const { return printed_by(arguments, go()); }
   [[nodiscard]] std::string refusal(const std::string& arguments, int code) const {
-    const CommandResult result = run(arguments);
-    INFO(arguments << '\n' << result.output);
-    CHECK(result.exit_code == code);
-    CHECK(result.output.empty());
-    return result.errors;
+    return failure(arguments, code, go());
   }
   [[nodiscard]] bool has(const std::string& name) const { return std::filesystem::exists(folder.path() / name); }
 };
@@ -45,7 +34,7 @@ TEST_CASE("bake: without -o the folder has the input's name, and is said", "[too
   CHECK(contains(here.succeed(std::string("bake hdr/city.pfm") + kSmall), "\ncity, axes"));
   CHECK(here.has("city/manifest.json"));
   CHECK(contains(here.succeed(std::string("bake hdr/city.pfm") + kSmall), "\ncity, axes"));  // its own is replaced
-  static_cast<void>(here.succeed(std::string("bake --sky") + kSmall));
+  here.succeed(std::string("bake --sky") + kSmall);
   CHECK(here.has("sky/manifest.json"));
   CHECK(contains(here.refusal(std::string("bake - < hdr/city.pfm") + kSmall, 2), "gives the result no name"));
   CHECK(contains(here.refusal(std::string("bake hdr/city.pfm -o \'\'") + kSmall, 1), "-o"));  // an unset variable
@@ -54,7 +43,7 @@ TEST_CASE("bake: without -o the folder has the input's name, and is said", "[too
 TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake][posix][slow]") {
   const Workplace here;
   std::filesystem::create_directory(here.folder.path() / "city");
-  static_cast<void>(here.succeed(std::string("bake hdr/city.pfm") + kSmall));  // an empty folder is nobody's
+  here.succeed(std::string("bake hdr/city.pfm") + kSmall);  // an empty folder is nobody's
   std::filesystem::remove(here.folder.path() / "city" / "manifest.json");
   const std::string message = here.refusal(std::string("bake hdr/city.pfm") + kSmall, 1);
   CHECK(contains(message, "city: is there and was not written by 'welkin bake'"));

@@ -93,12 +93,6 @@ double difference(std::span<const float> wanted, std::span<const float> got) {
   return std::sqrt(error / all);
 }
 
-std::size_t number_at(const std::string& bytes, std::size_t at) {
-  std::size_t value = 0;
-  for (std::size_t k = 4; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes.at(at + k));
-  return value;
-}
-
 /// A .glb taken apart; requires that header, chunks and buffer views are as glTF 2.0 has them.
 struct Glb {
   nlohmann::json document;
@@ -160,8 +154,7 @@ double mean(const Cubemap& chain, int level) {
 
 TEST_CASE("bake --for: each engine's folder has its files and none of the engine before, and our readers take them",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   for (const auto& [engine, files] : folders()) {
     INFO(engine);
     const nlohmann::json manifest = bake_into(folder, small_picture() + " --for " + engine + kSmall);
@@ -212,8 +205,7 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
 
 TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
           "[tools][bake][engine_folders][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   const std::string bake = small_picture() + " --for filament --no-previews" + kSmall;
   bake_into(folder, bake);
   const CubemapTexture reflections = read_texture(folder / "environment_ibl.ktx");
@@ -365,8 +357,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
 }
 
 TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --for usd" + kSmall);
   const std::string stage = file_text(folder / "environment.usda");
   CHECK(stage.starts_with("#usda 1.0\n"));
@@ -404,8 +395,7 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
 }
 
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
-  const TemporaryDirectory scratch;
-  const auto folder = scratch.path() / "out";
+  const TemporaryFile folder("out");
   const std::string bake = small_picture() + " --for godot --no-previews" + kSmall;
   bake_into(folder, bake);
   bake_into(folder, bake);  // ours is

@@ -170,10 +170,10 @@ struct Ktx {
 
   explicit Ktx(std::string all) : bytes(std::move(all)) {
     REQUIRE(bytes.substr(0, 12) == std::string("\xABKTX 11\xBB\r\n\x1A\n", 12));
-    for (std::size_t k = 0; k < header.size(); ++k) header[k] = number(12 + 4 * k);
+    for (std::size_t k = 0; k < header.size(); ++k) header[k] = number_at(bytes, 12 + 4 * k);
     std::size_t at = 64;
     while (at < 64 + header[12]) {
-      const std::size_t length = number(at);
+      const std::size_t length = number_at(bytes, at);
       const std::string pair = bytes.substr(at + 4, length);
       const std::size_t end = pair.find('\0');
       REQUIRE(end != std::string::npos);
@@ -183,20 +183,14 @@ struct Ktx {
     REQUIRE(at == 64 + header[12]);
     for (std::uint32_t mip = 0; mip < header[11]; ++mip) {
       const std::size_t edge = std::max<std::size_t>(1, header[6] >> mip);
-      REQUIRE(number(at) == 8 * edge * edge);
+      REQUIRE(number_at(bytes, at) == 8 * edge * edge);
       mips.push_back(at + 4);
       at += 4 + 6 * 8 * edge * edge;
     }
     REQUIRE(at == bytes.size());
   }
-  [[nodiscard]] std::uint32_t number(std::size_t at) const {
-    std::uint32_t value = 0;
-    for (std::size_t k = 4; k-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes.at(at + k));
-    return value;
-  }
   [[nodiscard]] double half(std::size_t at) const {
-    const std::uint32_t bits =
-        static_cast<unsigned char>(bytes.at(at)) + 256U * static_cast<unsigned char>(bytes.at(at + 1));
+    const std::uint32_t bits = number_at<std::uint16_t>(bytes, at);
     REQUIRE(bits >> 10U > 0);  // no sign and no denormal: light of 2.5 to 9.5
     REQUIRE(bits >> 10U < 31);
     return std::ldexp(1024.0 + (bits & 1023U), static_cast<int>(bits >> 10U) - 25);

@@ -34,11 +34,8 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
   const TestLatLong picture = make_lat_long(Content::high_range, 20, 10, 3);
   write_environment(input, picture.view(), {.type = SampleType::float32});
   const auto folder = scratch.path() / "a" / "tables";
-  const CommandResult result =
-      run_welkin("importance " + quoted(input) + " -o " + quoted(folder) +
-                 " --width 8 --height 5 --weight largest --mis-compensation --alias --pyramid");
-  INFO(result.errors);
-  REQUIRE(result.exit_code == 0);
+  printed_by("importance " + quoted(input) + " -o " + quoted(folder) +
+             " --width 8 --height 5 --weight largest --mis-compensation --alias --pyramid");
   const ImportanceTable table = importance_table(
       picture.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
   CHECK(values_of<float>(folder / "function.npy", "'<f4'", "(5, 8)") == table.function);
@@ -71,10 +68,7 @@ TEST_CASE("importance: cubemaps do, and what cannot be is refused", "[tools][imp
   const TemporaryDirectory scratch;
   const auto cube = scratch.path() / "cube.pfm";
   REQUIRE(run_welkin("testmap --size 8 --layout vertical-strip -o " + quoted(cube)).exit_code == 0);
-  const CommandResult result =
-      run_welkin("importance " + quoted(cube) + " --json -o " + quoted(scratch.path() / "tables"));
-  REQUIRE(result.exit_code == 0);
-  const auto said = json_of(result.output);
+  const auto said = json_printed_by("importance " + quoted(cube) + " --json -o " + quoted(scratch.path() / "tables"));
   CHECK(said.at("width") == 32);
   CHECK(said.at("height") == 16);
   CHECK(said.at("variance").at("table").get<double>() < 0.2 * said.at("variance").at("uniform").get<double>());

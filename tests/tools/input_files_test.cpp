@@ -56,8 +56,7 @@ TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
 }
 
 TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
-  const TemporaryDirectory folder;
-  const auto file = folder.path() / "strip.pfm";
+  const TemporaryFile file("strip.pfm");
   write_pfm(file, 5, 30, grey_picture(5, 30, 3.0F));
   const nlohmann::json document = info_json(file);
   CHECK(document.at("source").at("layout") == "vertical-strip");
@@ -136,5 +135,3 @@ TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]"
   }
   CHECK(runs == 2 * files);
 }
-
-// Promises: --memory-limit counts all pixels that are held at once, and a refusal's remedy is one that would do.

@@ -35,13 +35,6 @@ LatLongImage noise(int width, int height) {
   return picture;
 }
 
-std::vector<float> pixels_in(const std::filesystem::path& file) {
-  const Environment environment = read_environment(file);
-  const auto texels =
-      static_cast<std::size_t>(environment.info.width) * static_cast<std::size_t>(environment.info.height);
-  return {environment.pixels.get(), environment.pixels.get() + 3 * texels};
-}
-
 constexpr const char* kQuick = " --size 8 --no-previews ";
 
 }  // namespace

@@ -11,23 +11,18 @@ using namespace welkin::test;
 namespace {
 
 /// Values of the picture that `welkin sample` makes.
-std::vector<float> sample(const std::string& options, int width = 64, const std::string& environment = "") {
+std::vector<float> sample(int width) {
   const TemporaryDirectory directory;
   const auto path = directory.file("sample.pfm");
-  const CommandResult made =
-      run_welkin("sample --size " + std::to_string(width) + " -o " + quoted(path) + options, environment);
-  INFO(made.errors);
-  REQUIRE(made.exit_code == 0);
-  CHECK(made.output ==
+  CHECK(printed_by("sample --size " + std::to_string(width) + " -o " + quoted(path)) ==
         path.string() + ": lat-long, " + std::to_string(width) + " x " + std::to_string(width / 2) + "\n");
-  const Environment read = read_environment(path);
-  return {read.pixels.get(), read.pixels.get() + std::ptrdiff_t{3} * width * width / 2};
+  return pixels_in(path);
 }
 
 }  // namespace
 
 TEST_CASE("sample: a room with a sun, lamps and dark corners, within what half floats hold", "[tools][sample][slow]") {
-  std::vector<float> values = sample("", 128);
+  std::vector<float> values = sample(128);
   std::sort(values.begin(), values.end());
   CHECK(values.front() >= 0.0F);
   const float dark = values[values.size() / 100];
@@ -43,7 +38,5 @@ TEST_CASE("sample: refuses what it cannot write, before it computes", "[tools][s
   CHECK(run_welkin("sample").exit_code == 2);
   CHECK(run_welkin("sample -o sample.jpg").exit_code == 1);
   CHECK(run_welkin("sample --size 0 -o sample.exr").exit_code == 2);
-  const CommandResult large = run_welkin("sample --size 65536 --memory-limit 1MiB -o sample.exr");
-  CHECK(large.exit_code == 1);
-  CHECK(contains(large.errors, "--memory-limit"));
+  CHECK(contains(failure("sample --size 65536 --memory-limit 1MiB -o sample.exr", 1), "--memory-limit"));
 }

@@ -85,8 +85,7 @@ TEST_CASE("sh --json: the built-in sky to the last bit", "[tools][slow]") {
 }
 
 TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
-  const TemporaryDirectory folder;
-  const auto file = folder.path() / "odd.pfm";
+  const TemporaryFile file("odd.pfm");
   std::vector<float> rgb = grey_picture(16, 8, 1.0F);
   rgb[0] = std::numeric_limits<float>::quiet_NaN();
   rgb[30] = std::numeric_limits<float>::infinity();
@@ -129,14 +128,12 @@ TEST_CASE("sh: the options reach the projection", "[tools][slow]") {
 // `welkin sh` without --json: a table that says what its numbers are.
 
 TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tools]") {
-  const CommandResult result = run_welkin("sh --sky");
-  CHECK(result.exit_code == 0);
-  CHECK(result.errors.empty());
+  const std::string table = printed_by("sh --sky");
   for (const char* part : {"built-in sky: 1024 x 512 lat-long", "without Condon-Shortley phase", "3zz - 1", "xx - yy",
                            "radiance r, g, b", "irradiance r, g, b", "in GLSL", "Average colour", "524,288 texels",
                            "no pixel value had to be replaced", "no clamp was requested", "relative error"}) {
     INFO(part);
-    CHECK(contains(result.output, part));
+    CHECK(contains(table, part));
   }
 }
 
@@ -179,25 +176,21 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
 
 TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
   const nlohmann::json json = run_sh_json(small_picture() + " --bands 4");
-  const CommandResult result = run_welkin("sh " + small_picture() + " --bands 4 --format text");
-  CHECK(result.exit_code == 0);
-  CHECK(result.errors.empty());
+  const std::string text = printed_by("sh " + small_picture() + " --bands 4 --format text");
   for (int l = 0; l < 4; ++l) {
     for (int m = -l; m <= l; ++m) {
       const std::string place = '[' + std::to_string(l) + ',' + std::to_string(m) + ']';
       const std::size_t index = static_cast<std::size_t>(l * (l + 1) + m);
-      CHECK(numbers_behind("radiance" + place, result.output) == triple(json.at("radiance").at(index)));
-      CHECK(numbers_behind("irradiance" + place, result.output) == triple(json.at("irradiance").at(index)));
+      CHECK(numbers_behind("radiance" + place, text) == triple(json.at("radiance").at(index)));
+      CHECK(numbers_behind("irradiance" + place, text) == triple(json.at("irradiance").at(index)));
     }
   }
 }
 
 TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix][slow]") {
   const nlohmann::json json = run_sh_json(small_picture());
-  const CommandResult result = run_welkin("sh " + small_picture() + " --format c");
-  REQUIRE(result.exit_code == 0);
   const std::string printed =
-      printed_by_c(result.output,
+      printed_by_c(printed_by("sh " + small_picture() + " --format c"),
                    "  for (int i = 0; i < 9; ++i) printf(\"radiance%d %.9g %.9g %.9g\\n\", i, light_radiance[i][0], "
                    "light_radiance[i][1], light_radiance[i][2]);\n");
   for (std::size_t i = 0; i < 9; ++i) {
@@ -247,15 +240,14 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
   for (const std::string axes : {"", " --for blender"}) {
     INFO(axes);
     const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + axes));
-    const CommandResult result = run_welkin("sh " + small_picture() + " --format glsl" + axes);
-    CHECK(result.errors.empty());
-    check_numbers(numbers_of_rows("  vec3(", result.output), engine_light_unrotated(light, Engine::welkin));
-    CHECK(contains(result.output, "vec3 diffuse_light(vec3 n) {"));
+    const std::string code = printed_by("sh " + small_picture() + " --format glsl" + axes);
+    check_numbers(numbers_of_rows("  vec3(", code), engine_light_unrotated(light, Engine::welkin));
+    CHECK(contains(code, "vec3 diffuse_light(vec3 n) {"));
     if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
     const TemporaryDirectory folder;
     for (const char* const version : {"330", "300 es\nprecision highp float;"}) {
       std::ofstream(folder.path() / "light.frag") << "#version " << version << '\n'
-                                                  << result.output
+                                                  << code
                                                   << "in vec3 n;\nout vec3 colour;\n"
                                                      "void main() { colour = diffuse_light(normalize(n)); }\n";
       CHECK(run_shell("glslangValidator " + quoted(folder.path() / "light.frag") + " >/dev/null"));
@@ -265,26 +257,24 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
 
 TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
   const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + " --for unity"));
-  const CommandResult result = run_welkin("sh --sky --for unity --format cs --extract-sun");
+  const std::string code = printed_by("sh --sky --for unity --format cs --extract-sun");
   check_numbers(numbers_of_rows("    {", run_welkin("sh " + small_picture() + " --for unity --format cs").output),
                 engine_light_unrotated(light, Engine::unity));
   for (const char* const part : {"public static SphericalHarmonicsL2 Probe()", "using UnityEngine.Rendering;",
                                  "SunDirection = new Vector3(", "AmbientMode.Custom"}) {
-    CHECK(contains(result.output, part));
+    CHECK(contains(code, part));
   }
-  const CommandResult refused = run_welkin("sh " + small_picture() + " --format cs");
-  CHECK(refused.exit_code == 2);
-  CHECK(contains(refused.errors, "add --for unity"));
+  CHECK(contains(failure("sh " + small_picture() + " --format cs", 2), "add --for unity"));
 }
 
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools][slow]") {
-  const nlohmann::json plain = run_sh_json("--sky");
+  const nlohmann::json plain = run_sh_json(small_picture());
   CHECK(plain.at("window").at("name") == "none");
   for (const char* window : {"hanning", "lanczos", "min-laplacian"}) {
     INFO(window);
-    const nlohmann::json json = run_sh_json(std::string("--sky --window ") + window);
+    const nlohmann::json json = run_sh_json(small_picture() + " --window " + window);
     const auto& factors = json.at("window").at("factors");
     REQUIRE(factors.size() == 3);
     CHECK(factors.at(0) == 1.0);
@@ -296,7 +286,7 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
           triple(plain.at("window").at("minimum_irradiance_before")));
     CHECK(json.at("window").contains("minimum_irradiance_after"));
   }
-  CHECK(contains(run_welkin("sh --sky --window min-laplacian").output, "after it (min-laplacian"));
+  CHECK(contains(printed_by("sh " + small_picture() + " --window min-laplacian"), "after it (min-laplacian"));
   CHECK(run_welkin("sh --sky --window-width 0").exit_code == 2);
 }
 
@@ -322,11 +312,8 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
     for (std::size_t k = 0; k < 3; ++k) pixels[3 * texel + k] = 5000.0F + 700.0F * static_cast<float>(k);
   }
   write_pfm(sky, 128, 64, pixels);
-  const CommandResult result =
-      run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --extract-sun --sun-radius 10");
-  INFO(result.errors);
-  REQUIRE(result.exit_code == 0);
-  CHECK(contains(result.output, "Sun, extracted"));
+  CHECK(contains(printed_by("convert " + quoted(sky) + " " + quoted(rest) + " --extract-sun --sun-radius 10"),
+                 "Sun, extracted"));
   const nlohmann::json whole = run_sh_json(quoted(sky) + " --extract-sun --sun-radius 10");
   REQUIRE(whole.at("sun").is_object());
   const glm::dvec3 total_radiance = triple(run_sh_json(quoted(sky)).at("diagnostics").at("total_radiance"));
@@ -388,11 +375,9 @@ TEST_CASE("sh: what cannot be turned is refused", "[tools]") {
   CHECK(run_welkin("sh --sky --rotation 1,2,3").exit_code == 2);
   CHECK(run_welkin("sh --sky --yaw nan").exit_code == 2);
   CHECK(run_welkin("sh --sky --for godzilla").exit_code == 2);
-  const TemporaryDirectory folder;
-  const auto path = folder.path() / "faces.pfm";
+  const TemporaryFile path("faces.pfm");
   write_pfm(path, 4, 24, uneven_strip(4));
-  const CommandResult blender = run_welkin("sh --from blender " + quoted(path));
-  CHECK(blender.exit_code == 2);
-  CHECK(contains(blender.errors, "Blender"));
-  CHECK(contains(blender.errors, "no cube faces"));
+  const std::string blender = failure("sh --from blender " + quoted(path), 2);
+  CHECK(contains(blender, "Blender"));
+  CHECK(contains(blender, "no cube faces"));
 }

@@ -11,8 +11,7 @@ namespace welkin::test {
 inline const std::string kSmallSky = "--table-size 4,16,8,4 --orders 2 ";
 
 inline SkyTableOptions small_sky_options() {
-  SkyTableOptions options{.heights = 4, .view_zeniths = 16, .sun_zeniths = 8, .sun_angles = 4, .orders = 2};
-  return options;
+  return {.heights = 4, .view_zeniths = 16, .sun_zeniths = 8, .sun_angles = 4, .orders = 2};
 }
 
 inline std::shared_ptr<const SkyTables> small_sky(const Atmosphere& atmosphere = earth()) {

@@ -16,10 +16,7 @@ namespace {
 const std::string kSmallBake = "--irradiance 16 --brdf 16 ";
 
 nlohmann::json bake_sky(const std::filesystem::path& folder, const std::string& arguments) {
-  const CommandResult result = run_welkin("sky " + kSmallSky + kSmallBake + arguments + " -o " + quoted(folder));
-  INFO("welkin sky " << arguments << "\nstandard error: " << result.errors);
-  REQUIRE(result.exit_code == 0);
-  REQUIRE(result.errors.empty());
+  printed_by("sky " + kSmallSky + kSmallBake + arguments + " -o " + quoted(folder));
   return manifest_of(folder);
 }
 
@@ -51,8 +48,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
 }
 
 TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake][slow]") {
-  const TemporaryDirectory scratch;
-  const auto out = scratch.path() / "out";
+  const TemporaryFile out("out");
   const auto tables = small_sky();
   const SkyView view(tables, 0.0);
   const glm::dvec3 sun = sun_direction(30.0, 40.0);
@@ -83,23 +79,6 @@ namespace {
 /// Colours of any size; the wavelengths are few, for speed.
 const std::string kFewColours = kSmallSky + "--wavelengths 440,490,550,600,640,680 ";
 
-struct Picture {
-  int width = 0;
-  int height = 0;
-  std::vector<float> rgb;
-};
-
-Picture read_picture(const std::filesystem::path& path) {
-  ReadOptions options{.layout = Layout::lat_long};
-  const Environment environment = read_environment(path, options);
-  Picture picture{environment.info.width, environment.info.height, {}};
-  const auto count = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 3;
-  const auto view = environment.lat_long();
-  const auto* const pixels = static_cast<const float*>(view.pixels);
-  if (view.format == PixelFormat::rgb32f) picture.rgb.assign(pixels, pixels + count);
-  return picture;
-}
-
 std::vector<double> elevations(const std::string& text) {
   std::vector<double> found;
   std::istringstream lines(text);
@@ -129,15 +108,12 @@ TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[
                                 "-7",
                                 8 * 19 - 4, 2 * 19 - 4, 9, 61.5, -7.0}}) {
     INFO(each.arguments);
-    const CommandResult result = run_welkin("sky " + kFewColours + each.arguments + " --sweep " + quoted(file));
-    INFO(result.errors);
-    REQUIRE(result.exit_code == 0);
-    CHECK(result.errors.empty());
-    CHECK(result.output == file_text(folder.path() / "day.txt"));
-    const Picture picture = read_picture(file);
+    const std::string said = printed_by("sky " + kFewColours + each.arguments + " --sweep " + quoted(file));
+    CHECK(said == file_text(folder.path() / "day.txt"));
+    const EnvironmentInfo picture = read_environment(file, {.layout = Layout::lat_long}).info;
     CHECK(picture.width == each.width);
     CHECK(picture.height == each.height);
-    const std::vector<double> found = elevations(result.output);
+    const std::vector<double> found = elevations(said);
     REQUIRE(found.size() == each.tiles);
     CHECK(found.front() == each.first);
     CHECK(found.back() == each.last);
@@ -161,8 +137,7 @@ nlohmann::json same_light(const nlohmann::json& document) {
 }  // namespace
 
 TEST_CASE("sky: air that was printed is read as the same air", "[tools][sky][slow]") {
-  const TemporaryDirectory folder;
-  const auto file = folder.path() / "air.json";
+  const TemporaryFile file("air.json");
   for (const char* preset : {"earth", "dusty", "earth-bruneton", "earth-hillaire", "mars", "no-aerosol"}) {
     INFO(preset);
     write(file, printed(std::string("--preset ") + preset).dump());
