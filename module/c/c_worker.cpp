@@ -21,6 +21,24 @@ ThreadPriority thread_priority_of(welkin_thread_priority priority) {
   return priorities[static_cast<std::size_t>(priority)];
 }
 
+/// An engine's threads, lent through a function pointer.
+class FunctionExecutor final : public Executor {
+ public:
+  FunctionExecutor(decltype(welkin_worker_options::enqueue) function, void* user, int concurrency) noexcept
+      : enqueue_(function), user_(user), concurrency_(concurrency) {}
+
+  [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
+  void enqueue(void (*run)(void* job), void* job) override {
+    // Of a function that ends its thread nobody knows whether it took the task; that it did is what does no harm.
+    static_cast<void>(returns([&] { enqueue_(user_, run, job); }));
+  }
+
+ private:
+  decltype(welkin_worker_options::enqueue) enqueue_;
+  void* user_;
+  int concurrency_;
+};
+
 std::chrono::nanoseconds budget(std::uint64_t nanoseconds) {
   constexpr auto kMax = static_cast<std::uint64_t>(std::chrono::nanoseconds::max().count());
   return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(nanoseconds, kMax)));
@@ -34,7 +52,10 @@ WorkerOptions worker_options(const welkin_worker_options* options) {
   wanted.threads = given.threads;
   wanted.thread_priority = thread_priority_of(given.thread_priority);
   if (given.name != nullptr) wanted.name = given.name;
-  wanted.executor = executor_of(given.enqueue, given.enqueue_user, given.threads);
+  if (given.enqueue != nullptr) {
+    const int concurrency = given.threads == 0 ? available_threads() : given.threads;
+    wanted.executor = std::make_shared<FunctionExecutor>(given.enqueue, given.enqueue_user, concurrency);
+  }
   if (given.max_jobs != 0) wanted.max_jobs = given.max_jobs;
   if (given.max_bytes != 0) wanted.max_bytes = given.max_bytes;
   return wanted;
@@ -205,32 +226,6 @@ TaskPriority priority_of(welkin_priority priority) {
     case WELKIN_PRIORITY_HIGH: return TaskPriority::high;
     default: refuse("priority is " + std::to_string(priority) + "; it must be -1 (low), 0 (normal) or 1 (high)");
   }
-}
-
-namespace {
-
-class FunctionExecutor final : public Executor {
- public:
-  FunctionExecutor(decltype(welkin_worker_options::enqueue) function, void* user, int concurrency) noexcept
-      : enqueue_(function), user_(user), concurrency_(concurrency) {}
-
-  [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
-  void enqueue(void (*run)(void* job), void* job) override {
-    // Of a function that ends its thread nobody knows whether it took the task; that it did is what does no harm.
-    static_cast<void>(returns([&] { enqueue_(user_, run, job); }));
-  }
-
- private:
-  decltype(welkin_worker_options::enqueue) enqueue_;
-  void* user_;
-  int concurrency_;
-};
-
-}  // namespace
-
-std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user, int concurrency) {
-  if (enqueue == nullptr) return nullptr;
-  return std::make_shared<FunctionExecutor>(enqueue, user, concurrency == 0 ? available_threads() : concurrency);
 }
 
 }  // namespace welkin::c_interface

@@ -185,12 +185,6 @@ inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's
 /// Throws `Error` (invalid_argument) if there is none of that number.
 [[nodiscard]] TaskPriority priority_of(welkin_priority priority);
 
-// An engine's threads, lent through a function pointer.
-
-/// As `WorkerOptions` wants it, for so many tasks at once; null if `enqueue` is null.
-[[nodiscard]] std::shared_ptr<Executor> executor_of(decltype(welkin_worker_options::enqueue) enqueue, void* user,
-                                                    int concurrency);
-
 // Posting: what is handed over is given back whatever happens, and nothing fails any more once a job is posted.
 
 /// A caller's post options; made before anything else that can fail, so that what is handed over has a keeper.

@@ -311,10 +311,7 @@ void check(const Bc6hCubemap& cubemap) {
   const auto refuse = [](const std::string& message) { throw Error(ErrorCode::invalid_argument, message); };
   if (cubemap.levels.empty()) refuse("a BC6H cubemap needs a level at least; it has none");
   const int size = cubemap.levels.front().size;
-  if (size < 1 || size > image::kLargestFace) {
-    refuse("level 0 of the BC6H cubemap has " + std::to_string(size) + " texels along an edge; from 1 to " +
-           std::to_string(image::kLargestFace) + " there can be");
-  }
+  image::require_range("the size of level 0 of the BC6H cubemap", size, 1, image::kLargestFace);
   if (cubemap.levels.size() > static_cast<std::size_t>(full_chain_levels(size))) {
     refuse("the BC6H cubemap has " + std::to_string(cubemap.levels.size()) + " levels; from " + std::to_string(size) +
            " texels down there are " + std::to_string(full_chain_levels(size)));

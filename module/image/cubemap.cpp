@@ -42,11 +42,7 @@ void Cubemap::Free::operator()(float* pixels) const noexcept {
 }
 
 Cubemap::Cubemap(int size, int levels, memory_resource* memory) : size_(size) {
-  constexpr int largest = 16384;
-  if (size < 1 || size > largest) {
-    throw Error(ErrorCode::invalid_argument,
-                "a cubemap's size is " + std::to_string(size) + "; pass 1 to " + std::to_string(largest));
-  }
+  image::check_face_size(size);
   if (levels < 1 || levels > full_chain_levels(size)) {
     throw Error(ErrorCode::invalid_argument, "a cubemap of " + std::to_string(size) + " texels cannot have " +
                                                  std::to_string(levels) + " levels; pass 1 to " +

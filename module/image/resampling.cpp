@@ -19,6 +19,123 @@
 #include "welkin/core.h"
 #include "welkin/resampling.h"
 
+namespace welkin::image {
+namespace {
+
+void add_weighted(const float* rgb, double weight, glm::dvec3& sum) noexcept {
+  sum.x += weight * static_cast<double>(rgb[0]);
+  sum.y += weight * static_cast<double>(rgb[1]);
+  sum.z += weight * static_cast<double>(rgb[2]);
+}
+
+int wrapped(int column, int width) noexcept {
+  const int rest = column % width;
+  return rest < 0 ? rest + width : rest;
+}
+
+/// The texel before a place, and how far on the place is.
+struct Between {
+  int before;
+  double share;  // of the texel after it
+};
+
+Between between(double place) noexcept {
+  const double whole = std::floor(place);
+  return {static_cast<int>(whole), place - whole};
+}
+
+/// Bilinear interpolation as `CubemapSampler` does it; across the poles it goes on in the columns on the other side,
+/// half a turn away. In rows whose texels are narrower than the distance of samples, the mean over that distance takes
+/// the place of interpolation: samples pass none over.
+class LatLongSampler {
+ public:
+  /// `spacing`: radians between samples. The view's pixels must outlive the sampler.
+  LatLongSampler(const LatLongView& view, double spacing)
+      : plane_(view), width_(view.width), height_(view.height), spans_(static_cast<std::size_t>(view.height)) {
+    for (std::size_t row = 0; row < spans_.size(); ++row) {
+      const double turns = 0.25 - (static_cast<double>(row) + 0.5) / (2.0 * height_);
+      const double texel = 2.0 * std::numbers::pi / width_ * math::sine_cosine_of_turns(turns).cosine;  // radians
+      spans_[row] = std::clamp(spacing / texel, 1.0, 1.0 * width_);
+    }
+  }
+
+  void add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept {
+    const double longitude = math::turns_of(direction.x, direction.z);
+    const double horizontal = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+    const double latitude = math::turns_of(direction.y, horizontal);
+    const double column = (0.5 - longitude) * width_ - 0.5;
+    const Between row = between((0.25 - latitude) * 2.0 * height_ - 0.5);
+    add_from_row(row.before, column, weight * (1.0 - row.share), sum);
+    add_from_row(row.before + 1, column, weight * row.share, sum);
+  }
+
+ private:
+  void add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
+    if (row < 0 || row >= height_) {
+      // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
+      row = row < 0 ? 0 : height_ - 1;
+      column += 0.5 * width_;
+    }
+    // The mean of texels as areas over `span` columns; over one column it is linear interpolation.
+    const double span = spans_[static_cast<std::size_t>(row)];
+    const double begin = column + 0.5 - 0.5 * span;
+    const double end = begin + span;
+    const double density = weight / span;
+    for (int texel = static_cast<int>(std::floor(begin)); texel < end; ++texel) {
+      const double covered = std::min(end, texel + 1.0) - std::max(begin, 1.0 * texel);
+      add_weighted(plane_.texel(wrapped(texel, width_), row), density * covered, sum);
+    }
+  }
+
+  FloatPlane plane_;
+  int width_;
+  int height_;
+  std::vector<double> spans_;  // of each row: columns that a sample stands for, 1 to the width
+};
+
+}  // namespace
+
+CubemapSampler::CubemapSampler(const CubemapView& view)
+    : planes_{FloatPlane(view, 0), FloatPlane(view, 1), FloatPlane(view, 2),
+              FloatPlane(view, 3), FloatPlane(view, 4), FloatPlane(view, 5)},
+      size_(view.size) {}
+
+void CubemapSampler::add_texel(const CubeTexel& texel, double weight, glm::dvec3& sum) const noexcept {
+  const CubeTexel nearest{texel.face, std::clamp(texel.column, 0, size_ - 1), std::clamp(texel.row, 0, size_ - 1)};
+  const bool beside = nearest.column != texel.column;
+  const bool above = nearest.row != texel.row;
+  if (beside && above) {
+    const double third = weight / 3.0;
+    add_weighted(inside(nearest), third, sum);
+    add_weighted(inside(across_edge(size_, {texel.face, texel.column, nearest.row})), third, sum);
+    add_weighted(inside(across_edge(size_, {texel.face, nearest.column, texel.row})), third, sum);
+  } else {
+    add_weighted(inside(beside || above ? across_edge(size_, texel) : texel), weight, sum);
+  }
+}
+
+void CubemapSampler::add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept {
+  const int face = face_of(direction);
+  const Frame& frame = face_frame(face);
+  const double scale = 0.5 * size_ / glm::dot(direction, frame.normal);
+  // u from -1 to 1 is (u + 1) / 2 size from the edge, and texel 0's centre is half a texel from it: column =
+  // (size - 1) / 2 + u size / 2.
+  const double middle = 0.5 * (size_ - 1);
+  const Between column = between(middle + scale * glm::dot(direction, frame.u));
+  const Between row = between(middle + scale * glm::dot(direction, frame.v));
+  // Rounding may lead a hair beyond the edge: the outermost pair of texels is -1 and 0, or size - 1 and size.
+  const int left = std::clamp(column.before, -1, size_ - 1);
+  const int top = std::clamp(row.before, -1, size_ - 1);
+  const double upper = weight * (1.0 - row.share);
+  const double lower = weight * row.share;
+  add_texel({face, left, top}, upper * (1.0 - column.share), sum);
+  add_texel({face, left + 1, top}, upper * column.share, sum);
+  add_texel({face, left, top + 1}, lower * (1.0 - column.share), sum);
+  add_texel({face, left + 1, top + 1}, lower * column.share, sum);
+}
+
+}  // namespace welkin::image
+
 namespace welkin {
 namespace {
 
@@ -156,9 +273,10 @@ LatLongImage empty_lat_long(int width, int height) {
           std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
 }
 
+template <class Sampler>
 class Resampler {
  public:
-  Resampler(const Cells& cells, const image::Sampler& source, const glm::dmat3& rotation, const Control& control)
+  Resampler(const Cells& cells, const Sampler& source, const glm::dmat3& rotation, const Control& control)
       : cells_(cells), source_(source), back_(glm::transpose(rotation)), control_(control) {}
 
   /// To `cells.rows()` x `cells.columns()` texels of three floats.
@@ -201,7 +319,7 @@ class Resampler {
   }
 
   const Cells& cells_;
-  const image::Sampler& source_;
+  const Sampler& source_;
   glm::dmat3 back_;
   const Control& control_;
 };
@@ -331,212 +449,3 @@ LatLongImage to_lat_long(const EnvironmentView& source, int width, int height, c
 }
 
 }  // namespace welkin
-
-namespace welkin::image {
-namespace {
-
-void add_weighted(const float* rgb, double weight, glm::dvec3& sum) noexcept {
-  sum.x += weight * static_cast<double>(rgb[0]);
-  sum.y += weight * static_cast<double>(rgb[1]);
-  sum.z += weight * static_cast<double>(rgb[2]);
-}
-
-int wrapped(int column, int width) noexcept {
-  const int rest = column % width;
-  return rest < 0 ? rest + width : rest;
-}
-
-/// The texel before a place, and how far on the place is.
-struct Between {
-  int before;
-  double share;  // of the texel after it
-};
-
-Between between(double place) noexcept {
-  const double whole = std::floor(place);
-  return {static_cast<int>(whole), place - whole};
-}
-
-}  // namespace
-
-LatLongSampler::LatLongSampler(const LatLongView& view, double spacing)
-    : plane_(view), width_(view.width), height_(view.height), spans_(static_cast<std::size_t>(view.height)) {
-  for (std::size_t row = 0; row < spans_.size(); ++row) {
-    const double turns = 0.25 - (static_cast<double>(row) + 0.5) / (2.0 * height_);
-    const double texel = 2.0 * std::numbers::pi / width_ * math::sine_cosine_of_turns(turns).cosine;  // radians
-    spans_[row] = std::clamp(spacing / texel, 1.0, 1.0 * width_);
-  }
-}
-
-void LatLongSampler::add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
-  if (row < 0 || row >= height_) {
-    // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
-    row = row < 0 ? 0 : height_ - 1;
-    column += 0.5 * width_;
-  }
-  // The mean of texels as areas over `span` columns; over one column it is linear interpolation.
-  const double span = spans_[static_cast<std::size_t>(row)];
-  const double begin = column + 0.5 - 0.5 * span;
-  const double end = begin + span;
-  const double density = weight / span;
-  for (int texel = static_cast<int>(std::floor(begin)); texel < end; ++texel) {
-    const double covered = std::min(end, texel + 1.0) - std::max(begin, 1.0 * texel);
-    add_weighted(plane_.texel(wrapped(texel, width_), row), density * covered, sum);
-  }
-}
-
-void LatLongSampler::add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept {
-  const double longitude = math::turns_of(direction.x, direction.z);
-  const double horizontal = std::sqrt(direction.x * direction.x + direction.z * direction.z);
-  const double latitude = math::turns_of(direction.y, horizontal);
-  const double column = (0.5 - longitude) * width_ - 0.5;
-  const Between row = between((0.25 - latitude) * 2.0 * height_ - 0.5);
-  add_from_row(row.before, column, weight * (1.0 - row.share), sum);
-  add_from_row(row.before + 1, column, weight * row.share, sum);
-}
-
-CubemapSampler::CubemapSampler(const CubemapView& view)
-    : planes_{FloatPlane(view, 0), FloatPlane(view, 1), FloatPlane(view, 2),
-              FloatPlane(view, 3), FloatPlane(view, 4), FloatPlane(view, 5)},
-      size_(view.size) {}
-
-void CubemapSampler::add_texel(const CubeTexel& texel, double weight, glm::dvec3& sum) const noexcept {
-  const CubeTexel nearest{texel.face, std::clamp(texel.column, 0, size_ - 1), std::clamp(texel.row, 0, size_ - 1)};
-  const bool beside = nearest.column != texel.column;
-  const bool above = nearest.row != texel.row;
-  if (beside && above) {
-    const double third = weight / 3.0;
-    add_weighted(inside(nearest), third, sum);
-    add_weighted(inside(across_edge(size_, {texel.face, texel.column, nearest.row})), third, sum);
-    add_weighted(inside(across_edge(size_, {texel.face, nearest.column, texel.row})), third, sum);
-  } else {
-    add_weighted(inside(beside || above ? across_edge(size_, texel) : texel), weight, sum);
-  }
-}
-
-void CubemapSampler::add(const glm::dvec3& direction, double weight, glm::dvec3& sum) const noexcept {
-  const int face = face_of(direction);
-  const Frame& frame = face_frame(face);
-  const double scale = 0.5 * size_ / glm::dot(direction, frame.normal);
-  // u from -1 to 1 is (u + 1) / 2 size from the edge, and texel 0's centre is half a texel from it: column =
-  // (size - 1) / 2 + u size / 2.
-  const double middle = 0.5 * (size_ - 1);
-  const Between column = between(middle + scale * glm::dot(direction, frame.u));
-  const Between row = between(middle + scale * glm::dot(direction, frame.v));
-  // Rounding may lead a hair beyond the edge: the outermost pair of texels is -1 and 0, or size - 1 and size.
-  const int left = std::clamp(column.before, -1, size_ - 1);
-  const int top = std::clamp(row.before, -1, size_ - 1);
-  const double upper = weight * (1.0 - row.share);
-  const double lower = weight * row.share;
-  add_texel({face, left, top}, upper * (1.0 - column.share), sum);
-  add_texel({face, left + 1, top}, upper * column.share, sum);
-  add_texel({face, left, top + 1}, lower * (1.0 - column.share), sum);
-  add_texel({face, left + 1, top + 1}, lower * column.share, sum);
-}
-
-namespace {
-
-constexpr double kMatrixTolerance = 1e-9;
-constexpr double kColumnTolerance = 1e-6;
-constexpr int kTileTexels = 16384;
-
-bool is_near(double value, double wanted) { return std::abs(value - wanted) <= kMatrixTolerance; }
-
-/// Where a lat-long's columns and rows come from.
-struct ColumnsAndRows {
-  bool rows_reversed = false;
-  bool columns_reversed = false;
-  int shift = 0;       // column i of the source becomes i - shift, or width - 1 - i - shift; from 0 to width - 1
-  double share = 0.0;  // and by so much of a column more, below 1
-
-  [[nodiscard]] int source_column(int column, int width) const {
-    const int moved = wrapped(column + shift, width);
-    return columns_reversed ? (width - 1 - moved) : moved;
-  }
-};
-
-/// A longitude, in turns, becomes shift + itself, or shift - itself if the picture is mirrored: the columns move left
-/// by shift times the width.
-std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& rotation, int width) {
-  const glm::dvec3 up = rotation * glm::dvec3(0, 1, 0);
-  if (!is_near(std::abs(up.y), 1.0) || !is_near(up.x, 0.0) || !is_near(up.z, 0.0)) return {};
-  const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, 1);
-  const glm::dvec3 left = rotation * glm::dvec3(1, 0, 0);
-  // `ahead` and `left` have the longitudes 0 and 1/4 turn. The longitude of the rotated `ahead` is the shift, and
-  // whether `left` is still to the left of it (their cross product's sign) says whether the order of longitudes stays.
-  const double shift = math::turns_of(ahead.x, ahead.z) * width;
-  const bool is_whole = std::abs(shift - std::round(shift)) <= kColumnTolerance;
-  const double whole = is_whole ? std::round(shift) : std::floor(shift);
-  return ColumnsAndRows{up.y < 0.0, ahead.z * left.x - ahead.x * left.z < 0.0, wrapped(static_cast<int>(whole), width),
-                        is_whole ? 0.0 : shift - whole};
-}
-
-/// Calls `move(row)` for each of so many rows, several at a time.
-template <typename Move>
-void for_each_row(int rows, int width, const Control& control, const Move& move) {
-  const int tile_rows = std::max(1, kTileTexels / width);
-  const jobs::Placement where = jobs::placement_for(static_cast<std::int64_t>(rows) * width);
-  jobs::run_rows(rows, tile_rows, where, jobs::worker_count(where), control, [&](int row, std::size_t) { move(row); });
-}
-
-}  // namespace
-
-std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat3& rotation, const Control& control) {
-  const std::optional<WholeMatrix> forward = cube_symmetry_of(rotation);
-  if (!forward) return {};
-  const int size = source.size;
-  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(size);
-  Cubemap result(size, 1, control.memory);
-  for_each_row(6 * size, size, control, [&](int strip_row) {
-    float* rgb = result.face(0) + static_cast<std::size_t>(strip_row) * row_floats;
-    const std::size_t texel_bytes = bytes_per_texel(source.format);
-    for (int column = 0; column < size; ++column, rgb += 3) {
-      const glm::ivec3 point = point_of(size, {strip_row / size, column, strip_row % size});
-      const CubeTexel from = texel_at(size, point * *forward);  // the inverse: the transpose from the left
-      const auto* row = static_cast<const std::byte*>(row_of(source, from.face, from.row));
-      decode_texels(source.format, row + static_cast<std::size_t>(from.column) * texel_bytes, 1, rgb);
-    }
-  });
-  return result;
-}
-
-namespace {
-
-void copy_columns(const LatLongView& source, int row, const ColumnsAndRows& places, float* rgb) {
-  const auto* const from = static_cast<const std::byte*>(row_of(source, row));
-  const std::size_t texel_bytes = bytes_per_texel(source.format);
-  for (int column = 0; column < source.width; ++column, rgb += 3) {
-    const auto at = static_cast<std::size_t>(places.source_column(column, source.width));
-    decode_texels(source.format, from + at * texel_bytes, 1, rgb);
-  }
-}
-
-void move_columns(const FloatPlane& source, int width, int row, const ColumnsAndRows& places, float* rgb) {
-  MovedRow moved(width, places.share);
-  for (int channel = 0; channel < 3; ++channel) {
-    for (int column = 0; column < width; ++column) {
-      moved.texel(column) = static_cast<double>(source.texel(places.source_column(column, width), row)[channel]);
-    }
-    moved.write(rgb + channel, 3);
-  }
-}
-
-}  // namespace
-
-std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,
-                                             const Control& control) {
-  const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
-  if (!places) return {};
-  std::optional<FloatPlane> plane;
-  if (places->share > 0.0) plane.emplace(source);
-  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
-  LatLongImage result = empty_lat_long(source.width, source.height);
-  for_each_row(source.height, source.width, control, [&](int row) {
-    const int from = places->rows_reversed ? source.height - 1 - row : row;
-    float* const rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
-    plane ? move_columns(*plane, source.width, from, *places, rgb) : copy_columns(source, from, *places, rgb);
-  });
-  return result;
-}
-
-}  // namespace welkin::image

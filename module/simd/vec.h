@@ -23,7 +23,6 @@
 //   narrow(low, high)     two registers of doubles as one of floats, each rounded
 //   load_rgb_texels(p)    Texels: four of packed RGB, their fourth values 0; reads up to 16 floats
 //   repeated_rgb(p)       Texels: one of RGB in all four places, its fourth value 0; reads 4 floats
-//   load_texel_pairs(p, q)  Texels: two that follow each other from p on, and two from q on
 //   weighted_columns<reversed>(texels, weights)  each texel times its own weight; reversed: the last is the first one's
 //   folded(texels)        the sum of the four, (q0 + q2) + (q1 + q3), as a Quad (four floats)
 //   store_thrice(lanes, p), store_without_fourth(lanes, p), reverse_rgb(p, q)  between packed RGB and others

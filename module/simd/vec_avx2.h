@@ -85,10 +85,6 @@ WELKIN_INLINE Texels repeated_rgb(const float* rgb) {
   return {two, two};
 }
 
-WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
-  return {Lanes::load_unaligned(first), Lanes::load_unaligned(second)};
-}
-
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   const __m256 four = _mm256_broadcast_ps(reinterpret_cast<const __m128*>(weights));

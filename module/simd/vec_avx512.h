@@ -131,10 +131,6 @@ WELKIN_INLINE Texels repeated_rgb(const float* rgb) {
   return {Lanes(_mm512_maskz_broadcast_f32x4(0x7777, _mm_loadu_ps(rgb)))};
 }
 
-WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
-  return {Lanes(_mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(first)), _mm256_loadu_ps(second), 1))};
-}
-
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   const __m512i order = reversed ? _mm512_setr_epi32(3, 3, 3, 3, 2, 2, 2, 2, 1, 1, 1, 1, 0, 0, 0, 0)

@@ -82,11 +82,6 @@ using Integers = xsimd::batch<std::int32_t, Lanes::arch_type>;
 using IntegerGroup = IntegersOf<Integers>;
 using Pairs = PairsOf<Lanes>;
 
-WELKIN_INLINE Texels load_texel_pairs(const float* first, const float* second) {
-  return {Lanes::load_unaligned(first), Lanes::load_unaligned(first + 4), Lanes::load_unaligned(second),
-          Lanes::load_unaligned(second + 4)};
-}
-
 template <bool reversed = false>
 WELKIN_INLINE Texels weighted_columns(const Texels& texels, const float* weights) {
   Texels result;

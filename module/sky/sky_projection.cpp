@@ -176,8 +176,8 @@ SkyProjection::SkyProjection(SkyView view, const SkyHarmonicsOptions& options)
       here = next;
     }
   }
-  add_rings(rule.above, false);
-  add_rings(rule.below, true);
+  add_rings(rule.above);
+  add_rings(rule.below);
 }
 
 void SkyProjection::check_size(std::size_t rings) const {
@@ -207,13 +207,12 @@ std::uint64_t projection_bytes(const SkyTableOptions& tables, const SkyHarmonics
          sizeof(SkyProjection) + (std::uint64_t{64} << 10U);
 }
 
-void SkyProjection::add_rings(const RingRule& rings, bool below) {
+void SkyProjection::add_rings(const RingRule& rings) {
   const auto count = static_cast<int>(rings.cosines.size());
   const std::size_t terms = even_count(options_.bands);
   std::vector<double> basis(terms);
   for (int first = 0; first < count; first += kRings) {
     RingGroup group;
-    group.below = below;
     group.basis.resize(terms * kRings);
     for (int lane = 0; lane < kRings; ++lane) {
       const auto ring = static_cast<std::size_t>(std::min(first + lane, count - 1));

@@ -56,7 +56,6 @@ struct RingGroup {
   double cosines[16]{};
   double sines[16]{};
   std::vector<double> basis;  ///< [even_count(bands)][16]: weight times Y(l, m) at azimuth 0
-  bool below = false;
   bool any_ground = false;
   bool any_night = false;
   glm::dvec3 night[16]{};  ///< radiance
@@ -88,7 +87,7 @@ class SkyProjection {
     alignas(64) float breadth[16];
   };
 
-  void add_rings(const RingRule& rings, bool below);
+  void add_rings(const RingRule& rings);
   void fill_values(RingGroup& group) const;
   void check_size(std::size_t rings) const;
 

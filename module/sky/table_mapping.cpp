@@ -205,10 +205,6 @@ double TableMapping::view_position(double altitude, double zenith_cosine, bool g
   return half + last * (thin() ? bent(share, view_bend_) : crowded(share, view_terms_));
 }
 
-double TableMapping::view_position(double altitude, double zenith_cosine, int zeniths) const noexcept {
-  return view_position(altitude, zenith_cosine, meets_ground(bottom_, altitude, zenith_cosine), zeniths);
-}
-
 Ray TableMapping::view_ray(double altitude, double position, int zeniths) const noexcept {
   const int half = zeniths / 2;
   const double last = half - 1.0;

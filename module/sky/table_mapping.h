@@ -109,9 +109,7 @@ class TableMapping {
   [[nodiscard]] double height_coordinate(double altitude) const noexcept;
   [[nodiscard]] double altitude(double coordinate) const noexcept;
 
-  /// Position among `zeniths` (even) nodes; the side of the horizon is the ray's own.
-  [[nodiscard]] double view_position(double altitude, double zenith_cosine, int zeniths) const noexcept;
-  /// The same for a ray that is known to end on the ground or not to: at the horizon both are right.
+  /// Position among `zeniths` (even) nodes of a ray that ends on the ground or does not: at the horizon both are right.
   [[nodiscard]] double view_position(double altitude, double zenith_cosine, bool ground, int zeniths) const noexcept;
   /// Positions up to zeniths / 2 - 1 are rays to the ground, from zeniths / 2 on rays to the top.
   [[nodiscard]] Ray view_ray(double altitude, double position, int zeniths) const noexcept;

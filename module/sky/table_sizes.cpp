@@ -95,6 +95,9 @@ std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept {
   return product({options.irradiance_heights, options.irradiance_sun_zeniths, 3});
 }
 
+namespace {
+
+/// Without the air's bend.
 SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexcept {
   const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
   const bool small = options.heights < 12 || options.view_zeniths < 16;
@@ -120,6 +123,8 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
           .narrow = narrow};
 }
 
+}  // namespace
+
 SourceShape source_shape(const SkyTableOptions& options, const AirModel& air, const TableMapping& mapping) {
   SourceShape shape = source_shape(options, narrow_lobe(air.atmosphere(), options.orders));
   // b x / (1 + b - x) = y: the node at x lies at y. As y nears x, b grows beyond all bounds, and nothing is bent.
@@ -130,15 +135,11 @@ SourceShape source_shape(const SkyTableOptions& options, const AirModel& air, co
   return shape;
 }
 
-SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept {
-  if (options.heights < 12 || options.view_zeniths < 16) return {.heights = 32, .zeniths = 64};
-  if (options.layout == ScatteringLayout::compact) return {.heights = 64, .zeniths = 128};
-  return {};
-}
-
 SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air,
                              const TableMapping& mapping) noexcept {
-  const SunPaths::Size size = sun_path_size(options);
+  SunPaths::Size size;
+  if (options.layout == ScatteringLayout::compact) size = {.heights = 64, .zeniths = 128};
+  if (options.heights < 12 || options.view_zeniths < 16) size = {.heights = 32, .zeniths = 64};
   return mapping.altitude(1.0 / (size.heights - 1)) < air.scale_height() ? size : SunPaths::Size{};
 }
 

@@ -36,14 +36,12 @@ void check_options(const SkyTableOptions& options);
 /// Of the table of single Mie scattering: none where the layout is compact, or where no aerosol scatters.
 [[nodiscard]] std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
-/// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make.
-[[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe = NarrowLobe::none) noexcept;
-/// The same in that air: its heights bent where it is thin beside its shell.
+/// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make. Heights are bent
+/// where the air is thin beside its shell.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, const AirModel& air,
                                        const TableMapping& mapping);
-[[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options) noexcept;
-/// The same in that air: where it is thin beside its shell, as many as for large tables: the lowest heights must not
-/// lie beyond it.
+/// Nodes of the sun's paths: where the air is thin beside its shell, as many as for large tables, for the lowest
+/// heights must not lie beyond it.
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air,
                                            const TableMapping& mapping) noexcept;
 

@@ -17,6 +17,7 @@
 
 #include "jobs/activity.h"
 #include "platform/file.h"
+#include "platform/text.h"
 #include "platform/thread.h"
 #include "platform/wait.h"
 #include "welkin/worker.h"
@@ -30,12 +31,8 @@ constexpr int kMaxThreads = 1024;
 void check(const WorkerOptions& options) {
   const int threads = options.executor ? options.executor->concurrency() : options.threads;
   const int least = options.executor ? 1 : 0;
-  if (threads < least || threads > kMaxThreads) {
-    const char* what = options.executor ? "the executor's concurrency is " : "threads is ";
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: " + (what + std::to_string(threads)) +
-                                                 "; it must be from " + std::to_string(least) + " to " +
-                                                 std::to_string(kMaxThreads));
-  }
+  const char* what = options.executor ? "WorkerOptions: the executor's concurrency" : "WorkerOptions: threads";
+  platform::require_between(what, threads, least, kMaxThreads);
   if (options.max_jobs == 0) {
     throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at least 1");
   }
