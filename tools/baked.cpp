@@ -407,6 +407,12 @@ StoredEnvironment header_of(const BakeCommandOptions& options) {
   return inspect_stored_environment(input_of(*options.input, options.common.read), options.common.read);
 }
 
+void note_dark_channels(const PrefilteredSpecular& chain, std::vector<std::string>& notes) {
+  for (const PassRecord& pass : chain.pixels.passes) {
+    if (pass.name.ends_with("dark channels")) notes.push_back("specular, " + pass.name + " " + pass.reason);
+  }
+}
+
 /// Of a chain without its sharpest mips there is no sharp environment.
 void note_blur(const BakeCommandOptions& options, Baked& baked) {
   if (!options.input) return;
@@ -509,6 +515,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
                              })});
     }
   });
+  if (baked.light.specular) note_dark_channels(*baked.light.specular, baked.notes);
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as stored in the input, not clamped as its pixels are",
           [&] { use_stored_light(baked, control); });

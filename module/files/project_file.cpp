@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
-std::string kind_of(const EnvironmentInfo& info) {
+std::string storage_text(const EnvironmentInfo& info) {
   return info.format_description() + ", " + info.storage + ", " + info.compression;
 }
 
@@ -47,7 +47,7 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
   Projection projection = naming_file(source.info().path, [&] {
     return project(environment.cubemap(), options, jobs::part_of(control, kReadingShare, 1.0));
   });
-  put_first(projection, {{"read", PassAction::run, kind_of(source.info()) + "; a cubemap is held whole", reading}});
+  put_first(projection, {{"read", PassAction::run, storage_text(source.info()) + "; a cubemap is held whole", reading}});
   return projection;
 }
 
@@ -86,7 +86,7 @@ Projection project_lat_long(const RowSource& source, const ReadOptions& read_opt
   Projection projection = naming_file(info.path, [&] { return projector.finish(); });
   const std::string overlapped = "overlapped, time summed over threads";
   put_first(projection, {{"read", PassAction::run,
-                          kind_of(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
+                          storage_text(info) + "; " + std::to_string(groups.rows) + " rows at a time, " + overlapped,
                           milliseconds(decoding)},
                          {"cubemap", PassAction::skip, "a lat-long is projected directly", 0.0},
                          {"project", PassAction::run, "rows as they are decoded, " + overlapped,
@@ -145,7 +145,7 @@ Projection reused(const RowSource& source, const SphericalHarmonics& radiance, c
   projection.diagnostics.total_radiance_before_clamp = projection.diagnostics.total_radiance;
   projection.diagnostics.error_estimate = six_digits;
   put_first(projection,
-            {{"read", PassAction::run, kind_of(source.info()) + "; the manifest alone", 0.0},
+            {{"read", PassAction::run, storage_text(source.info()) + "; the manifest alone", 0.0},
              {"project", PassAction::reuse,
               "the polynomial that the file stores, in full where its pixels are clipped; no clamp, gamma or policy "
               "applies to it",

@@ -189,9 +189,9 @@ std::uint64_t store_row(const CubemapView& from, const CubemapTarget& to, int ro
 std::uint64_t store_level(const CubemapView& from, const CubemapTarget& to, const Control& control) {
   image::check_view(from);
   check(from.size, to);
-  constexpr int kTileTexels = 16'384;
+  constexpr int kTexelsOfTile = 16'384;
   const int rows = 6 * from.size;
-  const int tile_rows = std::max(1, kTileTexels / from.size);
+  const int tile_rows = std::max(1, kTexelsOfTile / from.size);
   const auto placement = jobs::placement_for(std::int64_t{rows} * from.size);
   const std::size_t workers = jobs::worker_count(placement);
   const std::size_t row_values = 3 * static_cast<std::size_t>(from.size);

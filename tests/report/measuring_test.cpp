@@ -173,7 +173,7 @@ void check_pass(const std::string& start) {
 
 }  // namespace
 
-// WELKIN_RECORD_GOLDEN=1 welkin_tests "report: the record is whole" writes the record anew, times included: for a
+// WELKIN_RECORD_GOLDEN=1 welkin_tests "report: the record is whole" writes the record again, times included: for a
 // change that alters errors or settings and says why.
 TEST_CASE("report: the record is whole", "[report]") {
   if (std::getenv("WELKIN_RECORD_GOLDEN") != nullptr) {

@@ -280,7 +280,8 @@ void add_image_range_cases(StabilityCases& cases) {
   cases.add("irradiance-cubemap-1e38", "irradiance of a radiance of 1e38 everywhere", "closed form: pi times the value",
             {4.0, StabilityUnit::ulps}, [] { return irradiance_cubemap_ulps(1e38F); });
   const std::string infinite =
-      "pi times the largest float is no float: the texels are infinite. The coefficients are doubles and right; scale "
+      "pi times the largest float is no float: texels are the largest float. The coefficients are doubles and right; "
+      "scale "
       "them down before the cubemap is made.";
   cases.add("irradiance-cubemap-3.4e38", "irradiance of a radiance of 3.4e38 everywhere as a finite float",
             "closed form: pi times the value", {4.0, StabilityUnit::ulps, infinite},

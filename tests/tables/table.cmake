@@ -1,5 +1,5 @@
 # cmake -D command=WELKIN -D perf=WELKIN_PERF -D folder=FOLDER -D recorded=FILE -D arguments=LIST -P table.cmake: prints a
-# table of errors and compares it with the one on record. WELKIN_RECORD_GOLDEN in the environment records it anew.
+# table of errors and compares it with the one on record. WELKIN_RECORD_GOLDEN in the environment records it again.
 cmake_minimum_required(VERSION 3.22)
 cmake_path(GET recorded STEM name)
 set(map ${folder}/${name}/map.exr)

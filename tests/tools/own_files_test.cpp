@@ -69,7 +69,7 @@ TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][b
     write_text(folder / name, was);
   }
   bake_into(folder, small_picture() + kSmall);
-  const auto others = scratch.path() / "others";
+  const TemporaryFile others("others");
   std::filesystem::create_directory(others);
   std::filesystem::create_symlink("nowhere", others / "sh.json");
   check_refused(bake_line(others), others, "sh.json");
