@@ -53,8 +53,9 @@ void add_up(std::vector<std::uint32_t>& counts) {
 
 }  // namespace
 
-RingTable::RingTable(const RingTableKey& key, const Control& control) : key_(key), weights_(key.face_size, key.rows) {
-  if (about_taps(key) * sizeof(RingTap) > static_cast<double>(kLargestTable)) return;
+RingTable::RingTable(const RingTableKey& key, const Control& control, std::size_t largest)
+    : key_(key), weights_(key.face_size, key.rows) {
+  if (about_taps(key) * sizeof(RingTap) > static_cast<double>(largest)) return;
   constexpr auto arena = jobs::Placement::arena;
   bands_.resize(static_cast<std::size_t>(weights_.bands()));
   jobs::run_tiles(bands_.size(), arena, jobs::worker_count(arena), {control.stop, {}},
