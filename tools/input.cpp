@@ -32,7 +32,8 @@ void add_clamp_options(Options& table, ClampChoice& choice) {
     choice.clamps = true;
   };
   add_option(table, "--clamp", On<float>(set_maximum), "V",
-             "Clamp radiance to 0 to V; default no limit. The removed light is reported", {.bounds = finite_and_positive()});
+             "Clamp radiance to 0 to V; default no limit. The removed light is reported",
+             {.bounds = finite_and_positive()});
   add_option(table, "--preserve-clamped", OnFlag(preserve_colour), "",
              "Clamp by scaling red, green and blue together; without --clamp at 4096, Babylon.js's limit");
 }

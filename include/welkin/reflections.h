@@ -62,9 +62,9 @@ struct PrefilterOptions {
   /// `default_mip_count(linear, size)` for `charlie` and `default_mip_count(filament, size)` for other lobes.
   std::optional<int> mips = std::nullopt;
 
-  /// Perceptual roughness of each mip, in [0, 1]. If empty: `mip_roughness(linear, mips, size)` for `charlie`, as glTF's
-  /// sample renderer looks sheen up, and `mip_roughness(filament, mips, size)` for other lobes. With `ggx`, roughness 0
-  /// means no convolution; `charlie` has at least `kMinCharlieRoughness`.
+  /// Perceptual roughness of each mip, in [0, 1]. If empty: `mip_roughness(linear, mips, size)` for `charlie`, as
+  /// glTF's sample renderer looks sheen up, and `mip_roughness(filament, mips, size)` for other lobes. With `ggx`,
+  /// roughness 0 means no convolution; `charlie` has at least `kMinCharlieRoughness`.
   std::vector<double> roughness{};
 
   /// Perceptual roughness of each mip's lobe, if it differs from the roughness at which shaders look the mip up (see

@@ -47,7 +47,8 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
   Projection projection = naming_file(source.info().path, [&] {
     return project(environment.cubemap(), options, jobs::part_of(control, kReadingShare, 1.0));
   });
-  put_first(projection, {{"read", PassAction::run, storage_text(source.info()) + "; a cubemap is held whole", reading}});
+  put_first(projection,
+            {{"read", PassAction::run, storage_text(source.info()) + "; a cubemap is held whole", reading}});
   return projection;
 }
 

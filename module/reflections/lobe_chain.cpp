@@ -70,7 +70,9 @@ void LobeChain::note_darkness(const ChainTarget& target, double field, const Con
   const double share = kFloatNoise / target.bounds.maximum;
   if (least_of(target.chain, target.level, control) >= share * field) return;
   note(target.name + ": dark channels",
-       "below " + platform::number_text(share) + " of the mip, where floats err by more than a texel may", 0.0);
+       "below 1 / " + platform::number_text(std::round(1.0 / share)) +
+           " of the mip, where floats err by more than a texel may",
+       0.0);
 }
 
 void LobeChain::end_mip(const ChainTarget& target, const MipPlan& mip, const Stopwatch& watch, const Control& control) {
