@@ -127,6 +127,7 @@ std::vector<std::pair<std::string, Value>> by_name(std::initializer_list<Value> 
 template <typename Value, std::size_t count>
 std::vector<std::pair<std::string, Value>> by_order(const std::array<const char*, count>& words) {
   std::vector<std::pair<std::string, Value>> choices;
+  choices.reserve(count);
   for (const char* const word : words) choices.emplace_back(word, static_cast<Value>(choices.size()));
   return choices;
 }
