@@ -29,7 +29,7 @@ class FunctionExecutor final : public Executor {
 
   [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
   void enqueue(void (*run)(void* job), void* job) override {
-    // Of a function that ends its thread nobody knows whether it took the task; that it did is what does no harm.
+    // A function that ends its thread may have taken the task or not; assuming that it did does no harm.
     static_cast<void>(returns([&] { enqueue_(user_, run, job); }));
   }
 

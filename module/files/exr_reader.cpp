@@ -56,8 +56,8 @@ bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& f
 // A handle on one part of an OpenEXR file: one for every reader, which opens the file again. If it is another one by
 // now, its rows may not fit where they would go.
 //
-// Decoding is done by whoever calls, on as many readers as it likes: the library's own thread pool is left as the
-// program has it, and no reader asks for any of it.
+// The calling threads decode, each with a reader of its own: the library's own thread pool is left as the program has
+// it, and no reader uses it.
 //
 // Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
 // whose writer was stopped), the library finds the blocks itself on opening.
@@ -84,7 +84,7 @@ std::size_t samples(int first, int last, int step) {
   return static_cast<std::size_t>(below(last) - below(first - 1));
 }
 
-/// Of one row, all channels.
+/// The bytes of one row, all channels.
 std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_column, int last_column) {
   std::uint64_t bytes = 0;
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
@@ -95,8 +95,8 @@ std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_col
   return bytes;
 }
 
-/// What OpenEXR's run lengths unpack to: a count below 0 stands before so many bytes, one from 0 on before a byte that
-/// stands for one more than that (ImfRle.cpp).
+/// The bytes that OpenEXR's run lengths unpack to: a count below 0 precedes so many bytes; a count from 0 on precedes a
+/// byte that is repeated once more than that (ImfRle.cpp).
 std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
   std::uint64_t bytes = 0;
   for (std::size_t at = 0; at + 1 < packed.size();) {
@@ -132,7 +132,7 @@ class ExrBlocks {
     check(*block, expected, "the block of row " + std::to_string(first));
   }
 
-  /// The same of a tile of the picture's level.
+  /// The same for a tile of the image's level.
   void check_tile(ExrStream& stream, int column, int row) const {
     const std::optional<std::span<const char>> block = stream.take_block();
     if (!block) return;
@@ -457,7 +457,7 @@ class LuminanceChromaReader final : public RowReader {
   int held_end_ = 0;
 };
 
-// What such a reader holds beside the library's own blocks, in bytes.
+// The bytes that such a reader holds in addition to the library's own blocks.
 std::uint64_t luminance_chroma_bytes(int width) noexcept {
   return sizeof(Imf::Rgba) * (static_cast<std::uint64_t>(width) * (kHeldRows + 5) + yca::N);
 }

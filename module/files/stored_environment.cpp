@@ -259,7 +259,7 @@ class FileSource final : public baking::Source {
     return project_file(file_.input, file_.read, options, control);
   }
 
-  /// Of the polynomial.
+  /// For the polynomial.
   [[nodiscard]] SphericalHarmonics take_radiance(const Control& control) override {
     return project_file(file_.input, file_.read, {}, {control.stop, {}}).radiance;
   }

@@ -18,7 +18,7 @@
 namespace welkin::platform {
 namespace {
 
-// Those that are read.
+// Files that are read.
 
 // Anything but a regular file is refused before it is opened: a pipe would block, a directory opens and then
 // reads nothing.
@@ -77,7 +77,7 @@ class Stream final : public DiskFile {
   std::uint64_t position_ = 0;  // where the stream stands; it is moved only when a read needs it
 };
 
-// Those that are not yet there: where they will be, their names until then, and their streams.
+// Files that are being written: where they will be, their names until then, and their streams.
 
 constexpr std::string_view kBesideStart = ".welkin-";
 constexpr std::string_view kBesideEnd = ".part";

@@ -304,7 +304,7 @@ std::vector<std::int64_t> texels_of(const std::vector<Replacement>& changes) {
   return texels;
 }
 
-/// What these changes take away.
+/// The light that these changes remove.
 Sun sum_up(const image::TexelGrid& grid, const float* pixels, const BrightRegion& region,
            const std::vector<Replacement>& changes) {
   Sun sun;
