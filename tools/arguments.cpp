@@ -167,7 +167,10 @@ void add_command(CLI::App& program, const Command& command) {
   added.footer(with_exit_codes(command.notes));
   add_options(added, command.options);
   add_verbosity(added);
-  added.callback([&command, &added] { command.run(given_to(added)); });
+  added.callback([&command, &added] {
+    static_cast<void>(active_instruction_set());  // refuses a wrong WELKIN_ISA; decoders, which are noexcept, could not
+    command.run(given_to(added));
+  });
 }
 
 std::string version_text() {

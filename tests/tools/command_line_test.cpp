@@ -71,7 +71,7 @@ TEST_CASE("command: bad input exits with 1 and names the file", "[tools]") {
 }
 
 TEST_CASE("command: an unknown WELKIN_ISA exits with 2 and is named", "[tools]") {
-  for (const char* arguments : {"sh --sky", "sh --sky --json", "--version"}) {
+  for (const char* arguments : {"sh --sky", "sh --sky --json", "--version", "completion bash"}) {
     CHECK(contains(failure(arguments, 2, "WELKIN_ISA=nonsense"), "nonsense"));
   }
 }
