@@ -230,14 +230,19 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
 
 /// Square of the error by a wave that has what energy the picture has beyond the known degrees, but for what `counted`
 /// of them are taken to have: as it is where one finds a picture of stripes or checkers, or texels that are wide for
-/// the bands. Far out a lobe goes on as it fell at its end.
-double square_beyond(const EnergyBeyond& beyond, const std::vector<double>& lobe, double counted) {
+/// the bands. Far out a lobe goes on as it fell at its end. A wide lobe falls more slowly there, as l^-2.5, and that of
+/// roughness 1 is 0 at odd degrees, while stripes are seldom of one degree alone: it is the larger one of two.
+double square_beyond(const EnergyBeyond& beyond, const MipPlan& mip, const std::vector<double>& lobe, double counted) {
   constexpr std::size_t kEnd = 8;
+  constexpr double kWide = 0.5;
   const double energy = beyond.energy - counted;
   if (energy <= 0.0 || lobe.size() <= kEnd) return 0.0;
   const auto degree = static_cast<std::size_t>(beyond.degree);
   double value = lobe[std::min(degree, lobe.size() - 1)];
-  if (degree >= lobe.size()) {
+  if (mip.lobe->alpha() > kWide) {
+    const std::vector<double> ends = mip.lobe->spectrum(static_cast<int>(degree) + 2);
+    value = std::max(std::abs(ends[degree]), std::abs(ends[degree + 1]));
+  } else if (degree >= lobe.size()) {
     // over each kEnd degrees the lobe falls by as much as over its last ones
     const double fall = std::min(1.0, std::abs(lobe.back()) / std::max(1e-30, std::abs(lobe[lobe.size() - 1 - kEnd])));
     value *=
@@ -275,7 +280,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
     if (l < known) finer += energy;
   }
   const auto counted = static_cast<double>(std::max(0, static_cast<int>(lobe.size()) - known));
-  return sum + square_beyond(beyond, lobe, counted * tail);
+  return sum + square_beyond(beyond, mip, lobe, counted * tail);
 }
 
 /// What a narrow mip's weights err by over its root mean square: a share of the steps that grows with alpha for
