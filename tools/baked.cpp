@@ -262,10 +262,8 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
   const int mips = full_chain_levels(specular.size);
   env.size = 1 << (mips - 1);  // the largest power of two that is not above it
   env.mips = mips;
-  env.roughness = mip_roughness(RoughnessSchedule::babylon, mips, env.size);
   env.lobe_roughness.clear();
-  if (options.fit_lookups.value_or(true))
-    env.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::babylon, mips, env.size);
+  env.use_schedule(RoughnessSchedule::babylon, options.fit_lookups.value_or(true));
   return env;
 }
 

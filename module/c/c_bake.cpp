@@ -176,10 +176,7 @@ void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& want
   const bool fitted = flag("fitted", given.fitted);
   if (given.schedule == WELKIN_ROUGHNESS_DEFAULT && !fitted) return;
   if (given.roughness_count > 0) refuse("schedule or fitted is set together with roughness; pass one of them");
-  const RoughnessSchedule schedule = schedules[static_cast<std::size_t>(given.schedule)];
-  if (!wanted.mips) wanted.mips = default_mip_count(schedule, wanted.size);
-  wanted.roughness = mip_roughness(schedule, *wanted.mips, wanted.size);
-  if (fitted) wanted.lobe_roughness = fitted_mip_roughness(schedule, *wanted.mips, wanted.size);
+  wanted.use_schedule(schedules[static_cast<std::size_t>(given.schedule)], fitted);
 }
 
 }  // namespace
