@@ -12,7 +12,7 @@ namespace welkin::transforms {
 /// A lat-long of rgb32f rows, the northernmost first.
 struct PictureRows {
   PictureRows() = default;
-  /// Of a valid view of rgb32f pixels.
+  /// `view`: valid, of rgb32f pixels.
   explicit PictureRows(const LatLongView& view) : width(view.width), height(view.height) {
     for (int row = 0; row < height; ++row) rows.push_back(static_cast<const float*>(image::row_of(view, row)));
   }

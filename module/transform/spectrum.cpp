@@ -1,7 +1,7 @@
 // From pixels to harmonics.
 //
 // Texels are areas, so c(l, m) = sum over rows of F(m, row) Int P(l, m) sin(theta) d theta, F the row's Fourier
-// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (ring_legendre.h) asks for
+// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (ring_legendre.h) needs
 //   K(l) = sum over edges between rows of (F(below) - F(above)) sin^2(theta) P(l, m) at the edge:
 // the functions are needed at edges only, the result is exact at any size and any number of bands, and what is
 // transformed are differences of neighbouring rows, taken between the pixels themselves before anything rounds.
@@ -61,7 +61,7 @@ void run_orders(int bands, jobs::Placement placement, std::size_t workers, const
                   });
 }
 
-/// What the Fourier stage needs for one group of rings.
+/// Scratch memory of the Fourier stage for one group of rings.
 struct RowScratch {
   RowScratch(int width, const RingFourier& fourier)
       : planes(std::size_t{3} * static_cast<std::size_t>(width) * kComplexFloats), work(fourier.scratch_floats()) {}
@@ -69,7 +69,7 @@ struct RowScratch {
   platform::AlignedBuffer<float> work;
 };
 
-/// What the Legendre stage needs for one order.
+/// Scratch memory of the Legendre stage for one order.
 struct AnalysisScratch {
   explicit AnalysisScratch(int bands)
       : state(std::size_t{kAnalysisGroups} * 2 * kRingLanes),
@@ -312,7 +312,7 @@ namespace {
 
 // From harmonics to rings.
 
-/// What the Legendre stage needs for one order.
+/// Scratch memory of the Legendre stage for one order.
 struct SynthesisScratch {
   SynthesisScratch(int bands, int groups)
       : coefficients(static_cast<std::size_t>(bands + 3) * kHarmonicFloats), rows(spline_scratch_floats(groups)) {}
@@ -320,7 +320,7 @@ struct SynthesisScratch {
   platform::AlignedBuffer<float> rows;
 };
 
-/// What the Fourier stage needs for one group of rings.
+/// Scratch memory of the Fourier stage for one group of rings.
 struct RingScratch {
   RingScratch(int columns, const RingFourier& fourier)
       : planes(std::size_t{3} * plane_floats(columns)), work(std::size_t{3} * fourier.scratch_floats()) {}
