@@ -225,7 +225,7 @@ BrdfTableOptions brdf_options(const welkin_brdf_options* options) {
 
 std::uint64_t write_table(const Target& target, const BrdfTable& table) {
   require_size(target, table.options.width, table.options.height);
-  return write_picture(target, 0, table.values.data(), table.channels);
+  return write_image(target, 0, table.values.data(), table.channels);
 }
 
 using BakePointer = std::shared_ptr<const BakeResult>;
@@ -454,7 +454,7 @@ welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* resul
     }
     const Target checked = flat_target(target);
     require_size(checked, map.level_size(level), map.level_size(level));
-    tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
+    tell(write_image(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
   });
 }
 

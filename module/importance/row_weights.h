@@ -11,7 +11,7 @@
 
 namespace welkin::importance {
 
-/// The weights of a picture's rows.
+/// The weights of an image's rows.
 class RowWeights {
  public:
   RowWeights(const LatLongView& source, ImportanceWeight weight, const PixelPolicy& pixels);

@@ -92,7 +92,7 @@ struct ReducedRows::Scratch {
   platform::AlignedBuffer<float> floats;
 };
 
-ReducedRows::ReducedRows(PictureRows source, const ReducedShape& shape)
+ReducedRows::ReducedRows(ImageRows source, const ReducedShape& shape)
     : source_(std::move(source)),
       shape_(shape),
       kernels_(reduction_kernels()),

@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "transform/reduction_kernels.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
@@ -45,7 +45,7 @@ struct ReducedShape {
 class ReducedRows {
  public:
   /// The rows' pixels outlive this. `shape` is that of `reduced_shape` with some rows.
-  ReducedRows(PictureRows source, const ReducedShape& shape);
+  ReducedRows(ImageRows source, const ReducedShape& shape);
 
   /// Reads the source, rows between tiles more than once.
   void fill(const Control& control);
@@ -79,7 +79,7 @@ class ReducedRows {
   void sum_equator(const Strip& strip, Scratch& scratch) noexcept;
   void finish(float* sums, const Strip& strip, int to) noexcept;
 
-  PictureRows source_;
+  ImageRows source_;
   ReducedShape shape_;
   const ReductionKernels& kernels_;
   std::size_t row_floats_;

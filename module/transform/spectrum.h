@@ -7,7 +7,7 @@
 
 #include "image/sphere_grid.h"
 #include "platform/memory.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -56,7 +56,7 @@ enum class SourceRows {
 /// and row, in addition to the result. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] Spectrum analyse(const LatLongView& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
-[[nodiscard]] Spectrum analyse(const PictureRows& source, int bands, const Control& control,
+[[nodiscard]] Spectrum analyse(const ImageRows& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
 
 /// Writes sum over l, m of zonal[l] c(l, m) Y(l, m) for l < zonal.size() to `grid` (made by the caller; columns >=
