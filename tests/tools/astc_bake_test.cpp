@@ -2,7 +2,6 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/same_bits.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/bake_file.h"
 

@@ -1,6 +1,5 @@
 
 #include "support/exr_files.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 using namespace welkin;

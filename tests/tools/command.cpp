@@ -4,7 +4,6 @@
 #include "support/catch.h"
 #include "support/pictures.h"
 #include "support/same_bits.h"
-#include "tools/baked_folder.h"
 
 namespace welkin::test {
 

@@ -2,7 +2,6 @@
 #include "support/catch.h"
 #include "support/exr_files.h"
 #include "support/temporary_directory.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"

@@ -4,7 +4,6 @@
 #include "support/chains.h"
 #include "support/pictures.h"
 #include "support/same_bits.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "files/env.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 using namespace welkin;

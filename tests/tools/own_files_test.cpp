@@ -1,5 +1,4 @@
 // Which files of a folder `welkin bake` and `welkin importance` replace and remove: those that they wrote themselves.
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 using namespace welkin;

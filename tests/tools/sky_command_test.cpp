@@ -1,6 +1,5 @@
 #include "tools/sky_command.h"
 
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
 #include "welkin/engines.h"

@@ -1,5 +1,4 @@
 
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "tools/sky_command.h"
 #include "welkin/bake_file.h"

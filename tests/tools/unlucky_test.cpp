@@ -9,7 +9,6 @@
 #include "platform/file.h"
 #include "support/catch.h"
 #include "support/trials.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 namespace welkin::test {
