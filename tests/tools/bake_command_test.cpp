@@ -252,21 +252,6 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow
   for (std::size_t i = 0; i < old_texels.size(); i += 41) CHECK(new_texels[i] == Approx(old_texels[i]).epsilon(0.03));
 }
 
-TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
-          "[tools][bake][slow]") {
-  const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + " --no-previews" + kSmall);
-  std::ofstream(folder / "mine.txt") << "keep";
-  std::ofstream(folder / "specular.ktx2") << "old";
-  const auto manifest = bake_into(folder, small_picture() + " --no-previews" + kSmall);
-  CHECK(file_text(folder / "mine.txt") == "keep");
-  CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 16);
-  std::vector<std::string> expected = names_of(manifest);
-  expected.emplace_back("mine.txt");
-  std::sort(expected.begin(), expected.end());
-  CHECK(names_in(folder) == expected);
-}
-
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
   const TemporaryFile folder("out");
   bake_into(folder, small_picture() + " --no-previews --for three --bands 4" + kSmall);

@@ -1,16 +1,4 @@
 // `welkin check`: chains whose faults are known, and what is said of them.
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <fstream>
-#include <functional>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"

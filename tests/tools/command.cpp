@@ -34,6 +34,14 @@ std::string failure(const std::string& arguments, int exit_code, const std::stri
   return result.errors;
 }
 
+void check_refused(const std::string& start, const BadValues& options) {
+  for (const auto& [option, values] : options) {
+    for (const std::string& value : values) {
+      CHECK(contains(failure(start + ' ' + option + ' ' + value, 2), option));
+    }
+  }
+}
+
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment) {
   return json_printed_by("sh --json " + arguments, environment);
 }

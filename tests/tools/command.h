@@ -33,6 +33,12 @@ nlohmann::json json_printed_by(const std::string& arguments, const std::string& 
 /// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
 std::string failure(const std::string& arguments, int exit_code, const std::string& environment = "");
 
+/// Options and values that they do not take.
+using BadValues = std::map<std::string, std::vector<std::string>>;
+
+/// Runs `welkin START OPTION VALUE` for each of them, expects exit code 2 and the option's name on standard error.
+void check_refused(const std::string& start, const BadValues& options);
+
 /// That of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
 

@@ -1,9 +1,9 @@
 
 #include "support/catch.h"
 #include "tools/command.h"
-#include "tools/sky_command.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 using namespace welkin;
@@ -12,6 +12,13 @@ using namespace welkin::test;
 // `welkin sh --json` has the documented shape and every digit of what the library computes.
 
 namespace {
+
+/// What the command bakes and projects where no file is named, as the library makes it.
+LatLongImage built_in_sky() {
+  SkyTableOptions options{.heights = 8, .view_zeniths = 64, .sun_zeniths = 16};
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
+  return sky_lat_long(view, sun_direction(40.0, 25.0), 512, {.sun_disc = true});
+}
 
 bool is_triple(const nlohmann::json& value) {
   return value.is_array() && value.size() == 3 && value[0].is_number() && value[1].is_number() && value[2].is_number();
