@@ -246,12 +246,7 @@ namespace {
 
 void check_refusal(const std::filesystem::path& path, ErrorCode code, const std::string& found,
                    const std::string& remedy, const ReadOptions& options = {}) {
-  const ThrownError error = thrown_by([&] { (void)inspect_environment(path, options); });
-  INFO(error.message);
-  CHECK(error.code == code);
-  CHECK(error.says(path.string() + ": "));
-  CHECK(error.says(found));
-  CHECK(error.says(remedy));
+  check_thrown([&] { (void)inspect_environment(path, options); }, code, {path.string() + ": ", found, remedy});
 }
 
 std::vector<char> text(const std::string& words) { return {words.begin(), words.end()}; }
@@ -263,8 +258,7 @@ void check_text(const std::filesystem::path& path, const std::string& content, E
 }
 
 ExrRecipe small_recipe(const std::vector<ExrChannel>& channels) {
-  ExrRecipe recipe{8, 4, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, channels};
-  return recipe;
+  return {.width = 8, .height = 4, .channels = channels};
 }
 
 }  // namespace
@@ -361,10 +355,8 @@ TEST_CASE("a picture above the memory limit is refused, a streamed one is not", 
   const TemporaryFile path("sky.pfm");
   write_bytes(path, pfm_bytes(512, 256, false, "-1", some_pixels(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 12 - 1};
-  const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
-  CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": 512 x 256 texels take 1572864 bytes"));
-  CHECK(error.says("raise the limit or reduce the image"));
+  check_thrown([&] { (void)read_environment(path, options); }, ErrorCode::limit_exceeded,
+               {path.string() + ": 512 x 256 texels take 1572864 bytes", "raise the limit or reduce the image"});
   CHECK(measure_environment(path, options).texels == 512 * 256);
   options.memory_limit_bytes = 1000;
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
@@ -380,10 +372,8 @@ void write_png(const std::filesystem::path& path, const PngRecipe& recipe) {
 }
 
 void check_changed(const std::filesystem::path& path, const files::RowSource& source) {
-  const ThrownError error = thrown_by([&] { (void)source.open_reader(); });
-  INFO(error.message);
-  CHECK(error.code == ErrorCode::file_access);
-  CHECK(error.says(path.string() + ": has changed while it was read; read it again"));
+  check_thrown([&] { (void)source.open_reader(); }, ErrorCode::file_access,
+               {path.string() + ": has changed while it was read; read it again"});
 }
 
 }  // namespace

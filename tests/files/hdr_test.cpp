@@ -254,12 +254,7 @@ using namespace std::string_literals;
 void check_refusal(const std::string& content, ErrorCode code, const std::string& found, const std::string& remedy) {
   const TemporaryFile path("sky.hdr");
   write_bytes(path, {content.begin(), content.end()});
-  const ThrownError error = thrown_by([&] { (void)read_environment(path, kLatLong); });
-  INFO(error.message);
-  CHECK(error.code == code);
-  CHECK(error.says(path.string() + ": "));
-  CHECK(error.says(found));
-  CHECK(error.says(remedy));
+  check_thrown([&] { (void)read_environment(path, kLatLong); }, code, {path.string() + ": ", found, remedy});
 }
 
 // A whole sound header but for one line.
@@ -353,10 +348,9 @@ TEST_CASE("a picture of columns is refused where decoding it whole takes too muc
   write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 4};
   CHECK(inspect_environment(path, options).width == 512);
-  const ThrownError error = thrown_by([&] { (void)measure_environment(path, options); });
-  CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": decoding "));
-  CHECK(error.says("save it as -Y +X: its scanlines are columns, so that it must be decoded whole"));
+  check_thrown(
+      [&] { (void)measure_environment(path, options); }, ErrorCode::limit_exceeded,
+      {path.string() + ": decoding ", "save it as -Y +X: its scanlines are columns, so that it must be decoded whole"});
   options.memory_limit_bytes = 1U << 20U;
   CHECK(measure_environment(path, options).texels == 512 * 256);
 }

@@ -11,12 +11,6 @@
 namespace welkin::test {
 namespace {
 
-std::vector<std::uint8_t> bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE(file);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 float distance(std::size_t probe, const dvec3& d) {
   if (d.y > 0.6) return kNothing;
   return static_cast<float>((probe % 4 == 1 ? -1.0 : 1.0) * (1.0 + 0.1 * static_cast<double>(probe) + d.x * d.x));
@@ -69,9 +63,8 @@ TEST_CASE("probe files: captures in files give the bits of captures in memory", 
   const std::filesystem::path half = folder.path() / "half.ktx2";
   write_texture(half, {&captures.cubes[0], 1});
   depths[140] = FileInput(half);
-  const ThrownError refused = thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes, depths)); });
-  CHECK(refused.code == ErrorCode::unsupported_file);
-  CHECK(refused.says("half.ktx2"));
+  check_thrown([&] { static_cast<void>(bake_probe_files(grid, cubes, depths)); }, ErrorCode::unsupported_file,
+               {"half.ktx2"});
   cubes.pop_back();
   CHECK(thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes)); }).says("for 195 probes"));
   // What no file could mend is refused before one is read.
@@ -95,8 +88,8 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
   const WriteReport report = write_probes(folder.path() / "level.json", probes, layouts);
   CHECK(report.files.size() == 1 + 1 + 2 + 7 + 3 + 1);
   CHECK(report.values_clamped == 0);
-  const std::vector<std::uint8_t> text = bytes_of(folder.path() / "level.json");
-  const nlohmann::json description = nlohmann::json::parse(text.begin(), text.end());
+  const std::string text = read_text(folder.path() / "level.json");
+  const nlohmann::json description = nlohmann::json::parse(text);
   CHECK(description["format"] == "welkin probes");
   CHECK(description["grid"]["counts"] == nlohmann::json({5, 1, 3}));
   CHECK(description["grid"]["origin"][0].get<double>() == 0.1);
@@ -107,7 +100,7 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
   CHECK(description["distance_limit"].get<double>() == probes.distance_limit);
   CHECK(description["invalid"].get<std::size_t>() == probes.invalid);
 
-  const std::vector<std::uint8_t> arrays = bytes_of(folder.path() / description["arrays"]["file"].get<std::string>());
+  const std::vector<char> arrays = read_bytes(folder.path() / description["arrays"]["file"].get<std::string>());
   const auto require_array = [&](std::size_t index, const char* name, const nlohmann::json& shape, const void* values,
                                  std::size_t bytes) {
     const nlohmann::json& entry = description["arrays"]["entries"][index];
@@ -139,7 +132,7 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
       CHECK(texture["name"] == packed.textures[t].name);
       CHECK(texture["size"] == packed.textures[t].size);
       CHECK(texture["format"] == "rgba16f");
-      const std::vector<std::uint8_t> file = bytes_of(folder.path() / texture["file"].get<std::string>());
+      const std::string file = read_text(folder.path() / texture["file"].get<std::string>());
       // KTX 2.0: VK_FORMAT_R16G16B16A16_SFLOAT, width, height, depth, no layers, one face, one level.
       CHECK(number_at(file, 12) == 97);
       for (std::size_t a = 0; a < 3; ++a) {
@@ -154,8 +147,7 @@ TEST_CASE("probe files: the description says where every number lies", "[probes]
       CHECK(offset % 8 == 0);
       REQUIRE(file.size() == offset + bytes);
       CHECK(std::memcmp(file.data() + offset, packed.textures[t].halves.data(), bytes) == 0);
-      const std::string all(file.begin(), file.end());
-      CHECK(all.find(std::string("KTXorientation\0rdi", 18)) != std::string::npos);
+      CHECK(file.find(std::string("KTXorientation\0rdi", 18)) != std::string::npos);
     }
   }
 }

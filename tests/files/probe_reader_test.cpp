@@ -40,16 +40,6 @@ bool same_probes(const BakedProbes& a, const BakedProbes& b) {
          same_bytes<dvec3>(a.offsets, b.offsets) && a.invalid == b.invalid && a.unfilled == b.unfilled;
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  REQUIRE(file);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void save_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
 }  // namespace
 
 TEST_CASE("read probes: every bit comes back, from the folder and from memory", "[probes][files]") {
@@ -58,8 +48,8 @@ TEST_CASE("read probes: every bit comes back, from the folder and from memory", 
   BakedProbes probes = numbered_probes();
   write_probes(path, probes, {{ProbeLayout::plain}});
   CHECK(same_probes(read_probes(path), probes));
-  const std::string text = text_of(path);
-  const std::string arrays = text_of(folder.path() / "level.bin");
+  const std::string text = read_text(path);
+  const std::string arrays = read_text(folder.path() / "level.bin");
   const FileInput description(std::as_bytes(std::span(text)), "level.json");
   CHECK(same_probes(read_probes(description, FileInput(std::as_bytes(std::span(arrays)), "level.bin")), probes));
   CHECK(thrown_by([&] { static_cast<void>(read_probes(description)); }).says("pass the file of arrays"));
@@ -76,12 +66,12 @@ TEST_CASE("read probes: a description that is not one, or does not fit its array
   const TemporaryDirectory folder;
   const std::filesystem::path path = folder.path() / "level.json";
   write_probes(path, numbered_probes());
-  const nlohmann::json sound = nlohmann::json::parse(text_of(path));
+  const nlohmann::json sound = nlohmann::json::parse(read_text(path));
   const auto refused = [&](const std::function<void(nlohmann::json&)>& change, const char* reason,
                            ErrorCode code = ErrorCode::corrupt_file) {
     nlohmann::json changed = sound;
     change(changed);
-    save_text(path, changed.dump());
+    write_text(path, changed.dump());
     const ThrownError error = thrown_by([&] { static_cast<void>(read_probes(path)); });
     INFO(error.message);
     return error.code == code && error.says(reason) && error.says("level.");
@@ -119,14 +109,14 @@ TEST_CASE("read probes: a description that is not one, or does not fit its array
   CHECK(refused([](auto& j) { j["arrays"]["file"] = "level.none"; }, "level.none", ErrorCode::file_access));
 
   for (const std::string& text : {std::string("{"), std::string(), std::string(100000, '['), std::string("7")}) {
-    save_text(path, text);
+    write_text(path, text);
     CHECK(thrown_by([&] { static_cast<void>(read_probes(path)); }).code == ErrorCode::unsupported_file);
   }
-  save_text(path, std::string((1U << 20U) + 1, ' '));
+  write_text(path, std::string((1U << 20U) + 1, ' '));
   CHECK(thrown_by([&] { static_cast<void>(read_probes(path)); }).code == ErrorCode::limit_exceeded);
-  save_text(path, sound.dump());
-  const std::string arrays = text_of(folder.path() / "level.bin");
-  save_text(folder.path() / "level.bin", arrays.substr(0, arrays.size() - 8));
+  write_text(path, sound.dump());
+  const std::string arrays = read_text(folder.path() / "level.bin");
+  write_text(folder.path() / "level.bin", arrays.substr(0, arrays.size() - 8));
   CHECK(thrown_by([&] { static_cast<void>(read_probes(path)); }).code == ErrorCode::corrupt_file);
 }
 

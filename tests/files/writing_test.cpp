@@ -9,6 +9,7 @@
 #include "image/geometry.h"
 #include "platform/thread.h"
 #include "support/catch.h"
+#include "support/damaged_files.h"
 #include "support/exr_files.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
@@ -251,20 +252,6 @@ SkyTableOptions tiny_options(ScatteringLayout layout) {
           .orders = 2};
 }
 
-void write(const std::filesystem::path& path, const std::vector<char>& bytes) {
-  std::ofstream out(path, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-bool refused(const std::filesystem::path& path) {
-  try {
-    static_cast<void>(load_sky_tables(path, std::uint64_t{1} << 20U));
-  } catch (const Error& error) {
-    return std::string(error.what()).find(path.filename().string()) != std::string::npos;
-  }
-  return false;
-}
-
 }  // namespace
 
 TEST_CASE("Saved sky tables come back with all their parameters and bits", "[sky][codec]") {
@@ -291,27 +278,17 @@ TEST_CASE("Sky tables cut off anywhere or changed in any byte are refused", "[sk
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("sky.tables");
   save_sky_tables(precompute_sky(earth(), tiny_options(ScatteringLayout::compact)), path);
-  const std::vector<char> sound = read_bytes(path);
-  REQUIRE(!refused(path));
-  const std::filesystem::path damaged = directory.file("damaged.tables");
-  constexpr std::size_t header = 600;  // all parameters, and more
-  REQUIRE(sound.size() > header);
-  for (std::size_t length = 0; length < sound.size(); length += length < header ? 1 : 7) {
-    write(damaged, {sound.begin(), sound.begin() + static_cast<std::ptrdiff_t>(length)});
-    if (!refused(damaged)) FAIL("cut off after " << length);
-  }
-  std::vector<char> longer = sound;
-  longer.push_back(0);
-  write(damaged, longer);
-  CHECK(refused(damaged));
-  for (std::size_t place = 0; place < sound.size(); place += place < header ? 1 : 7) {
-    for (const int flip : {0x01, 0xff}) {
-      std::vector<char> bytes = sound;
-      bytes[place] = static_cast<char>(bytes[place] ^ flip);
-      write(damaged, bytes);
-      if (!refused(damaged)) FAIL("byte " << place << " changed by " << flip);
-    }
-  }
+  SoundFile sound{"sky.tables", read_bytes(path)};
+  sound.header_bytes = sound.bytes.size();
+  const auto check_refused = [&](const std::vector<char>& bytes) {
+    write_bytes(path, bytes);
+    const ThrownError error = thrown_by([&] { static_cast<void>(load_sky_tables(path, std::uint64_t{1} << 20U)); });
+    if (!error.says("sky.tables")) FAIL(error.message);
+  };
+  for_each_truncation(sound, check_refused);
+  for_each_changed_byte(sound, check_refused);
+  sound.bytes.push_back('\0');
+  check_refused(sound.bytes);
 }
 
 TEST_CASE("Refused sky tables say why", "[sky][codec]") {
@@ -326,17 +303,17 @@ TEST_CASE("Refused sky tables say why", "[sky][codec]") {
   const char own = bytes[8];
   for (const int version : {7, 107}) {  // of other minor versions of the library
     bytes[8] = static_cast<char>(version);
-    write(path, bytes);
+    write_bytes(path, bytes);
     CHECK(load().code == ErrorCode::unsupported_file);
     CHECK(load().says("version " + std::to_string(version)));
     CHECK(load().says("; compute it again"));
   }
   bytes[8] = own;
   bytes.back() = static_cast<char>(bytes.back() ^ 1);
-  write(path, bytes);
+  write_bytes(path, bytes);
   CHECK(load().code == ErrorCode::corrupt_file);
   CHECK(load().says("checksum"));
-  write(path, std::vector<char>(100, 'x'));
+  write_bytes(path, std::vector<char>(100, 'x'));
   CHECK(load().code == ErrorCode::unsupported_file);
   std::filesystem::remove(path);
   CHECK(load().code == ErrorCode::file_access);
