@@ -1,5 +1,5 @@
 
-#include "places.h"
+#include "support/pictures.h"
 #include "tools/command.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
@@ -35,21 +35,9 @@ class Preview {
 
 /// Red grows along x, green along y, blue along z.
 std::filesystem::path write_directions(const std::filesystem::path& folder) {
-  constexpr int kWidth = 128;
-  constexpr int kHeight = 64;
-  std::vector<float> pixels;
-  const double pi = std::acos(-1.0);
-  for (int row = 0; row < kHeight; ++row) {
-    const double latitude = pi / 2 - pi * (row + 0.5) / kHeight;
-    for (int column = 0; column < kWidth; ++column) {
-      const double longitude = pi - 2 * pi * (column + 0.5) / kWidth;
-      const std::array<double, 3> direction = {std::sin(longitude) * std::cos(latitude), std::sin(latitude),
-                                               std::cos(longitude) * std::cos(latitude)};
-      for (const double value : direction) pixels.push_back(static_cast<float>(1.0 + value));
-    }
-  }
+  const LatLongImage picture = lat_long_of(128, 64, [](const dvec3& direction) { return 1.0 + direction; });
   const auto path = folder / "directions.pfm";
-  write_pfm(path, kWidth, kHeight, pixels);
+  write_pfm(path, picture.width, picture.height, picture.pixels);
   return path;
 }
 

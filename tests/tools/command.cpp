@@ -11,6 +11,12 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
   return run_program(WELKIN_COMMAND, arguments, environment);
 }
 
+CommandResult run_script(const std::string& lines) {
+  const TemporaryFile script("script.sh");
+  write_text(script, lines);
+  return run_program("/bin/sh", quoted(script));
+}
+
 nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text); }
 
 std::string printed_by(const std::string& arguments, const std::string& environment) {

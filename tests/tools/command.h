@@ -21,6 +21,9 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment = "");
 
+/// Runs these lines by /bin/sh.
+CommandResult run_script(const std::string& lines);
+
 /// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
 nlohmann::json json_of(const std::string& text);
 
