@@ -349,36 +349,35 @@ TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
 }
 
 TEST_CASE("flaws in an .env's manifest are named", "[codec][env]") {
-  using Change = EnvParts&;
-  CHECK(env_refusal([](Change parts) { parts.manifest["version"] = 3; }).code == ErrorCode::unsupported_file);
-  CHECK(env_refusal([](Change parts) { parts.manifest["version"] = 3; }).says("is an .env of version 3"));
-  CHECK(env_refusal([](Change parts) { parts.manifest.erase("version"); }).says("no \"version\""));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 5; }).says("a power of two"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 32768; }).says("from 1 to 16384"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = "4"; }).says("not a number"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 2; }).says("there must be 12"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 1e300; }).says("not an integer"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["specular"] = nullptr; }).says("no \"specular\""));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["specular"]["mipmaps"][3]["position"] = 1 << 20;
-        }).says("bytes follow it"));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["specular"]["mipmaps"][3]["length"] = -1;
-        }).says("not an integer from 0 up"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["specular"]["lodGenerationScale"] = -1; }).says("below 0"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["irradiance"]["yz"] = {1, 2}; }).says("not three numbers"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["irradiance"].erase("zx"); }).says("no \"zx\""));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["irradiance"]["irradianceTexture"]["faces"].erase(5);
-        }).says("there must be 6"));
-  CHECK(env_refusal([](Change parts) {
+  const auto with = [](const char* place, const Json& value) {
+    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(place)] = value; });
+  };
+  const auto without = [](const char* parent, const auto& child) {
+    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(parent)].erase(child); });
+  };
+  CHECK(with("/version", 3).code == ErrorCode::unsupported_file);
+  CHECK(with("/version", 3).says("is an .env of version 3"));
+  CHECK(without("", "version").says("no \"version\""));
+  CHECK(with("/width", 5).says("a power of two"));
+  CHECK(with("/width", 32768).says("from 1 to 16384"));
+  CHECK(with("/width", "4").says("not a number"));
+  CHECK(with("/width", 2).says("there must be 12"));
+  CHECK(with("/width", 1e300).says("not an integer"));
+  CHECK(with("/specular", nullptr).says("no \"specular\""));
+  CHECK(with("/specular/mipmaps/3/position", 1 << 20).says("bytes follow it"));
+  CHECK(with("/specular/mipmaps/3/length", -1).says("not an integer from 0 up"));
+  CHECK(with("/specular/lodGenerationScale", -1).says("below 0"));
+  CHECK(with("/irradiance/yz", {1, 2}).says("not three numbers"));
+  CHECK(without("/irradiance", "zx").says("no \"zx\""));
+  CHECK(without("/irradiance/irradianceTexture/faces", std::size_t{5}).says("there must be 6"));
+  CHECK(env_refusal([](EnvParts& parts) {
           std::swap(parts.manifest["specular"]["mipmaps"][0], parts.manifest["specular"]["mipmaps"][6]);
         }).says("level 0, face +X, is 2 x 2 texels; its level has 4 x 4"));
-  CHECK(env_refusal([](Change parts) {
+  CHECK(env_refusal([](EnvParts& parts) {
           parts.payload[40] = static_cast<char>(~parts.payload[40]);
         }).says("is a damaged PNG"));
-  CHECK(env_refusal([](Change parts) { parts.payload[1] = 'X'; }).says("neither a PNG nor a WebP"));
-  CHECK(env_refusal([](Change parts) { parts.payload.resize(100); }).says("bytes follow it"));
+  CHECK(env_refusal([](EnvParts& parts) { parts.payload[1] = 'X'; }).says("neither a PNG nor a WebP"));
+  CHECK(env_refusal([](EnvParts& parts) { parts.payload.resize(100); }).says("bytes follow it"));
 }
 
 TEST_CASE("older .env versions are read as the first, without an image type", "[codec][env]") {
