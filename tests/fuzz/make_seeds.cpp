@@ -19,6 +19,7 @@
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
 #include "support/jpeg_files.h"
+#include "support/ktx_files.h"
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
@@ -239,31 +240,15 @@ void make_ktx1_seeds(const std::filesystem::path& directory) {
                            Kind{0x8C3E, 0x1907, 0x8C3D, 4}, Kind{0x1401, 0x1908, 0x8058, 4}, Kind{0, 0, 0x8E8F, 16}}) {
     for (const std::uint32_t faces : {6U, 1U}) {
       for (const std::uint32_t elements : {0U, 2U}) {
-        std::vector<std::uint32_t> words{0x58544BAB,
-                                         0xBB313120,
-                                         0x0A1A0A0D,
-                                         0x04030201,
-                                         kind.type,
-                                         1,
-                                         kind.format,
-                                         kind.internal,
-                                         kind.format,
-                                         4,
-                                         faces == 6 ? 4U : 2U,
-                                         0,
-                                         elements,
-                                         faces,
-                                         1,
-                                         12,
-                                         6,
-                                         0x65746F6E,
-                                         0x00003100};  // "note", "1"
-        const std::uint32_t texels = kind.type == 0 ? 1 : words[9] * words[10];
-        const std::uint32_t face_bytes = texels * kind.texel_bytes;
-        words.push_back(faces == 6 && elements == 0 ? face_bytes : face_bytes * faces * std::max(elements, 1U));
-        words.resize(words.size() + face_bytes * faces * std::max(elements, 1U) / 4, 0x3C003800);
+        const test::KtxKind shape{kind.type, kind.format, 4, faces == 6 ? 4U : 2U, elements, faces};
+        const std::uint32_t texels = kind.type == 0 ? 1 : shape.width * shape.height;
+        std::vector<std::byte> level;
+        while (level.size() < std::size_t{texels} * kind.texel_bytes * faces * std::max(elements, 1U)) {
+          test::append_value(level, std::uint32_t{0x3C003800});
+        }
+        const std::vector<std::byte> bytes = test::ktx1_bytes(shape, kind.internal, {level}, "1");
         std::ofstream(directory / ("seed" + std::to_string(count++) + ".ktx"), std::ios::binary)
-            .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(4 * words.size()));
+            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
       }
     }
   }
