@@ -2,6 +2,7 @@
 #include <ImfChannelList.h>
 #include <ImfEnvmap.h>
 #include <ImfHeader.h>
+#include <ImfInputFile.h>
 #include <ImfStandardAttributes.h>
 
 #include "files/primaries.h"
@@ -211,7 +212,7 @@ TEST_CASE("primaries that make no colours are an error that names the attribute"
   CHECK(message(as_stored()).find("luminance and chroma cannot be taken apart") != std::string::npos);
 }
 
-// Promises: cubes with OpenEXR's envmap attribute come out in Welkin's frames, other strips as they are.
+// Promises: cubes with OpenEXR's envmap attribute come out in Welkin's frames and go back, other strips as they are.
 
 namespace {
 
@@ -259,6 +260,18 @@ TEST_CASE("a strip with the envmap attribute of a cube is turned to Welkin's fra
       }
     }
   }
+}
+
+TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
+  const TemporaryFile path("cube.exr");
+  const int size = 5;
+  const Cubemap directions = cubemap_of(size, [](const glm::dvec3& direction) { return direction; });
+  write_environment(path, directions.view(), {Layout::automatic, SampleType::float32});
+  REQUIRE(Imf::envmap(Imf::InputFile(path.string().c_str()).header()) == Imf::ENVMAP_CUBE);
+  const std::vector<float> stored = read_exr_with_library(path);
+  const std::vector<float> wanted = directions_by_openexr(size);
+  REQUIRE(stored.size() == wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) REQUIRE(std::abs(stored[i] - wanted[i]) < 1e-6F);
 }
 
 TEST_CASE("a cube of OpenEXR's has the same light and statistics as its faces in a plain strip", "[codec][slow]") {

@@ -1,12 +1,10 @@
 // Files that are written: whole or not there, read back as what went in, saved sky tables as well.
-#include <ImfEnvmap.h>
 #include <ImfInputFile.h>
 #include <ImfStandardAttributes.h>
 
 #include <clocale>
 #include <locale>
 
-#include "image/geometry.h"
 #include "platform/thread.h"
 #include "support/catch.h"
 #include "support/damaged_files.h"
@@ -134,38 +132,6 @@ TEST_CASE("Halves clamp what is finite, and keep NaN and infinities", "[writers]
         std::vector<float>{65504.0F, -65504.0F, kInfinity, -kInfinity});
   CHECK(std::isnan(read[4]));
   CHECK(read[5] == 65504.0F);
-}
-
-TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
-  const TemporaryFile path("cube.exr");
-  const int size = 5;
-  const Cubemap map{size, some_pixels(size, 6 * size)};
-  write_environment(path, map.view(), {Layout::automatic, SampleType::float32});
-  const Imf::InputFile file(path.string().c_str());
-  REQUIRE(Imf::envmap(file.header()) == Imf::ENVMAP_CUBE);
-  const std::vector<float> stored = read_exr_with_library(path);
-  const Imath::Box2i window = file.header().dataWindow();
-  for (int row = 0; row < 6 * size; ++row) {
-    for (int column = 0; column < size; ++column) {
-      const glm::dvec3 to = image::face_direction(size, row / size, column + 0.5, row % size + 0.5);
-      // OpenEXR's texels are points with the outermost ones on the edges: the direction to ask for is the point's.
-      const auto onto_points = [&](double place) { return place * size / (size - 1.0); };
-      const image::Frame& frame = image::face_frame(row / size);
-      const double u = onto_points(glm::dot(to, frame.u) / glm::dot(to, frame.normal)) * 0.999;
-      const double v = onto_points(glm::dot(to, frame.v) / glm::dot(to, frame.normal)) * 0.999;
-      const glm::dvec3 point = frame.normal + u * frame.u + v * frame.v;
-      Imf::CubeMapFace face{};
-      Imath::V2f in_face;
-      Imf::CubeMap::faceAndPixelPosition(
-          Imath::V3f(static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)), window,
-          face, in_face);
-      const Imath::V2f pixel = Imf::CubeMap::pixelPosition(face, window, in_face);
-      const int x = static_cast<int>(std::lround(pixel.x));
-      const int y = static_cast<int>(std::lround(pixel.y));
-      const float* wanted = map.face(0) + 3 * (row * size + column);
-      REQUIRE(std::equal(wanted, wanted + 3, stored.data() + 3 * (y * size + x)));
-    }
-  }
 }
 
 TEST_CASE("Radiance pictures hold values to half a step of the largest component", "[writers]") {
