@@ -172,22 +172,26 @@ namespace {
 
 using Json = nlohmann::json;
 
-void put(std::vector<char>& bytes, std::size_t index, std::uint32_t value) {
+template <class Bytes>
+void put(Bytes& bytes, std::size_t index, std::uint32_t value) {
   std::memcpy(bytes.data() + index, &value, sizeof value);
 }
 
-/// A sound file of some texture format with one field set, and what the reader says.
-ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
-                         Supercompression packing = Supercompression::none) {
-  const TemporaryDirectory directory;
-  const Cubemap chain = noisy_chain(4, 3);
-  write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
-  std::vector<char> bytes = read_bytes(directory.file(file));
-  put(bytes, index, value);
-  write_bytes(directory.file(file), bytes);
-  ThrownError error = thrown_by([&] { (void)read_texture(directory.file(file)); });
+/// A sound file of some texture format after `change` of its bytes, and what the reader says.
+template <class Change>
+ThrownError refusal_of(const char* file, const Cubemap& chain, Supercompression packing, const Change& change) {
+  std::vector<std::byte> bytes;
+  write_texture({bytes, file}, chain.views(), {TexelFormat::rgba16f, packing, {}});
+  change(bytes);
+  ThrownError error = thrown_by([&] { (void)read_texture({std::as_const(bytes), file}); });
   CHECK(error.says(file));
   return error;
+}
+
+/// The same with one field set.
+ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
+                         Supercompression packing = Supercompression::none) {
+  return refusal_of(file, noisy_chain(4, 3), packing, [&](auto& bytes) { put(bytes, index, value); });
 }
 
 struct EnvParts {
@@ -251,26 +255,22 @@ TEST_CASE("KTX2 files that are not for us are named for what they are", "[codec]
   CHECK(refusal_with("sky.ktx2", 88, 5).says("has 5 bytes"));
   CHECK(refusal_with("sky.ktx2", 96, 5, Supercompression::zstd).says("bytes instead of 768"));
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    const TemporaryDirectory directory;
-    const Cubemap chain = noisy_chain(16, 1);
-    write_texture(directory.file("sky.ktx2"), chain.views(), {TexelFormat::rgba16f, packing, {}});
-    std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    for (std::size_t i = bytes.size() - 4000; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i);
-    write_bytes(directory.file("sky.ktx2"), bytes);
-    check_thrown([&] { (void)read_texture(directory.file("sky.ktx2")); }, ErrorCode::corrupt_file, {"does not unpack"});
+    const ThrownError error = refusal_of("sky.ktx2", noisy_chain(16, 1), packing, [](auto& bytes) {
+      for (std::size_t i = bytes.size() - 4000; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i);
+    });
+    CHECK(error.code == ErrorCode::corrupt_file);
+    CHECK(error.says("does not unpack"));
   }
 }
 
 TEST_CASE("a packed level that unpacks to less than its size is refused", "[codec][textures]") {
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    const TemporaryDirectory directory;
-    write_texture(directory.file("sky.ktx2"), noisy_chain(4, 1).views(), {TexelFormat::rgba16f, packing, {}});
-    std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    put(bytes, 20, 8);              // width
-    put(bytes, 24, 8);              // height
-    put(bytes, 96, 6 * 8 * 8 * 8);  // unpacked bytes
-    write_bytes(directory.file("sky.ktx2"), bytes);
-    CHECK(thrown_by([&] { (void)read_texture(directory.file("sky.ktx2")); }).says("shorter than the level index says"));
+    const ThrownError error = refusal_of("sky.ktx2", noisy_chain(4, 1), packing, [](auto& bytes) {
+      put(bytes, 20, 8);              // width
+      put(bytes, 24, 8);              // height
+      put(bytes, 96, 6 * 8 * 8 * 8);  // unpacked bytes
+    });
+    CHECK(error.says("shorter than the level index says"));
   }
 }
 

@@ -117,6 +117,15 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
+void check_same_files(const std::filesystem::path& folder, const std::filesystem::path& expected,
+                      const std::set<std::string>& left_out) {
+  REQUIRE(names_in(folder) == names_in(expected));
+  for (const std::string& name : names_in(expected)) {
+    INFO(name);
+    if (!left_out.contains(name)) CHECK((file_text(folder / name) == file_text(expected / name)));
+  }
+}
+
 std::vector<std::string> names_of(const nlohmann::json& manifest) {
   std::vector<std::string> names = {"manifest.json"};
   for (const auto& file : manifest.at("files")) names.push_back(file.at("name").get<std::string>());

@@ -78,6 +78,10 @@ nlohmann::json bake_into(const std::filesystem::path& folder, const std::string&
 
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
+/// Checks that two folders have files of the same names, and but for those left out the same bytes in them.
+void check_same_files(const std::filesystem::path& folder, const std::filesystem::path& expected,
+                      const std::set<std::string>& left_out = {"manifest.json"});
+
 /// Those of the manifest, and the manifest itself.
 std::vector<std::string> names_of(const nlohmann::json& manifest);
 
