@@ -161,8 +161,6 @@ glm::dvec3 numbers_behind(const std::string& name, const std::string& text) {
   return {};
 }
 
-bool run_shell(const std::string& command) { return std::system(command.c_str()) == 0; }
-
 // What a C program that includes the header prints for `expression`s, one a line.
 std::string printed_by_c(const std::string& header, const std::string& expressions) {
   const TemporaryDirectory folder;
@@ -170,13 +168,12 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
   std::ofstream(folder.path() / "main.c") << "#include \"light.h\"\n#include \"light.h\"\n#include <stdio.h>\n"
                                           << "int main(void) {\n"
                                           << expressions << "  return 0;\n}\n";
-  const std::string in_folder = "cd " + quoted(folder.path()) + " && ";
-  REQUIRE(run_shell(in_folder + "cc -std=c99 -pedantic -Wall -Wno-unused-const-variable -Wno-unused-variable -Werror "
-                                "-o main main.c && ./main > printed"));
-  std::ifstream printed(folder.path() / "printed");
-  std::stringstream text;
-  text << printed.rdbuf();
-  return text.str();
+  const CommandResult result = run_script("cd " + quoted(folder.path()) +
+                                          " && cc -std=c99 -pedantic -Wall -Wno-unused-const-variable "
+                                          "-Wno-unused-variable -Werror -o main main.c && ./main");
+  INFO(result.errors);
+  REQUIRE(result.exit_code == 0);
+  return result.output;
 }
 
 }  // namespace
@@ -250,14 +247,14 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
     const std::string code = printed_by("sh " + small_picture() + " --format glsl" + axes);
     check_numbers(numbers_of_rows("  vec3(", code), engine_light_unrotated(light, Engine::welkin));
     CHECK(contains(code, "vec3 diffuse_light(vec3 n) {"));
-    if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
+    if (run_script("command -v glslangValidator").exit_code != 0) continue;
     const TemporaryDirectory folder;
     for (const char* const version : {"330", "300 es\nprecision highp float;"}) {
       std::ofstream(folder.path() / "light.frag") << "#version " << version << '\n'
                                                   << code
                                                   << "in vec3 n;\nout vec3 colour;\n"
                                                      "void main() { colour = diffuse_light(normalize(n)); }\n";
-      CHECK(run_shell("glslangValidator " + quoted(folder.path() / "light.frag") + " >/dev/null"));
+      CHECK(run_script("glslangValidator " + quoted(folder.path() / "light.frag")).exit_code == 0);
     }
   }
 }
