@@ -1,4 +1,4 @@
-// The kernels of pictures: samples of grids and patches, half-sized rows, and what texels weigh in each harmonic.
+// The kernels of images: samples of grids and patches, half-sized rows, and what texels weigh in each harmonic.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ using AnglePositions = void (*)(const double* across, const double* along, int c
 /// there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
 using PositionTaps = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
 
-/// Points of a row of a picture, on a grid of texels of four floats (red, green, blue, unused).
+/// Points of a row of an image, on a grid of texels of four floats (red, green, blue, unused).
 struct GridRun {
   const float* origin;         ///< ring 0, column 0
   std::ptrdiff_t ring_stride;  ///< floats from a ring to the next
@@ -47,13 +47,13 @@ struct GridRun {
 /// column. Nothing beyond rgb[3 count - 1] is written.
 using SampleGrid = void (*)(const GridRun& run, float* rgb);
 
-/// Points of a picture of packed RGB floats, each the weighted sum of a patch of texels of its own.
+/// Points of an image of packed RGB floats, each the weighted sum of a patch of texels of its own.
 struct PatchRun {
   const float* origin;          ///< row 0, column 0; two texels right of a patch are read, but have no part in its sum
   std::ptrdiff_t row_stride;    ///< floats from a row to the next
   const std::int32_t* rows;     ///< [count]: first row of each patch
   const std::int32_t* columns;  ///< [count]: first column
-  std::int32_t base;            ///< column 0's place in the picture
+  std::int32_t base;            ///< column 0's place in the image
   bool mirrored;                ///< columns count to the left from the one before `base`
   /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
   const float* weights;

@@ -4,7 +4,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"
 #include "support/temporary_directory.h"
@@ -17,7 +17,7 @@
 
 namespace welkin::test {
 
-// Promises: an .env that we write is the one that we read, up to RGBD's rounding; its pictures and bytes do not depend
+// Promises: an .env that we write is the one that we read, up to RGBD's rounding; its images and bytes do not depend
 // on the number of threads; what it cannot hold is counted or refused.
 
 namespace {
@@ -75,7 +75,7 @@ bool is_rgbd_of(const Cubemap& written, const Cubemap& read) {
 
 }  // namespace
 
-TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes its sign", "[codec][env]") {
+TEST_CASE("an environment goes to Babylon.js's axes as an image does: x changes its sign", "[codec][env]") {
   const Cubemap chain = noisy_chain(5, 3);
   SphericalHarmonics radiance(3);
   for (int l = 0; l < 3; ++l) {
@@ -172,13 +172,13 @@ TEST_CASE("an .env's irradiance texture and dominant direction come back", "[cod
   }
 }
 
-TEST_CASE("pictures in WebP without loss are the same light as in PNG, to the bit", "[codec][env]") {
+TEST_CASE("images in WebP without loss are the same light as in PNG, to the bit", "[codec][env]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 4, 64}) {
     BabylonEnvironment environment = some_environment(size);
     environment.irradiance = some_irradiance(5);
     write_babylon_environment(directory.file("png.env"), environment);
-    write_bytes(directory.file("webp.env"), with_webp_pictures(read_bytes(directory.file("png.env"))));
+    write_bytes(directory.file("webp.env"), with_webp_images(read_bytes(directory.file("png.env"))));
     const BabylonEnvironment png = read_babylon_environment(directory.file("png.env"));
     const BabylonEnvironment webp = read_babylon_environment(directory.file("webp.env"));
     CHECK(same_bits(png.specular, webp.specular));
@@ -298,7 +298,7 @@ TEST_CASE("Babylon.js's own RGBD of known texels is read where they were", "[cod
 }
 
 TEST_CASE("real .env files are read whole, with the polynomial that they hold", "[codec][env][shared]") {
-  const std::filesystem::path folder = kPictures / "cube";
+  const std::filesystem::path folder = kImages / "cube";
   if (!is_here(folder / "babylon_venice_sunset_128.env")) return;
   const std::pair<const char*, int> files[] = {
       {"babylon_dikhololo_night_64.env", 64},   {"babylon_lebombo_64_webp.env", 64},
@@ -323,12 +323,12 @@ TEST_CASE("real .env files show their photographs, right way up and not mirrored
                                                        {"babylon_spruit_sunrise_128.env", "spruit_sunrise_1k.hdr"},
                                                        {"babylon_venice_sunset_128.env", "venice_sunset_1k.hdr"}};
   for (const auto& [file, photograph] : pairs) {
-    if (!is_here(kPictures / "cube" / file)) return;
+    if (!is_here(kImages / "cube" / file)) return;
     CAPTURE(file);
-    const Cubemap chain = mirrored_x(read_babylon_environment(kPictures / "cube" / file).specular);
-    const Environment picture = read_environment(kPictures / "env" / photograph);
+    const Cubemap chain = mirrored_x(read_babylon_environment(kImages / "cube" / file).specular);
+    const Environment image = read_environment(kImages / "env" / photograph);
     const int size = chain.level_size(1);  // nearly sharp
-    const Cubemap wanted = to_cubemap(picture.lat_long(), size);
+    const Cubemap wanted = to_cubemap(image.lat_long(), size);
     const auto difference = [&](const glm::dmat3& rotation) {
       return log_difference(to_cubemap(chain.view(1), size, rotation), wanted);
     };

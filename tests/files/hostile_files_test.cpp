@@ -16,7 +16,7 @@
 
 namespace welkin::test {
 
-// Promises: a picture, texture or .env that is cut off anywhere, has any byte changed, or any field of its header set
+// Promises: an image, texture or .env that is cut off anywhere, has any byte changed, or any field of its header set
 // to an extreme, is either read or refused with an Error that names it. Nothing else happens.
 
 namespace {
@@ -80,7 +80,7 @@ SoundFile texture(const std::string& name, std::size_t header_bytes, const Textu
   return file;
 }
 
-/// Its manifest is damaged, a text without fields, and the first of its pictures, which are all alike.
+/// Its manifest is damaged, a text without fields, and the first of its images, which are all alike.
 SoundFile env_of(const std::string& name, const std::vector<char>& bytes) {
   const auto payload = static_cast<std::size_t>(std::find(bytes.begin() + 8, bytes.end(), '\0') - bytes.begin()) + 1;
   SoundFile file{name, bytes};
@@ -106,11 +106,11 @@ std::vector<SoundFile> sound_textures() {
           texture("zstd.ktx2", 500, {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
           texture("sky.dds", 500, {}),
           env_of("sky.env", env_bytes()),
-          env_of("webp.env", with_webp_pictures(env_bytes()))};
+          env_of("webp.env", with_webp_images(env_bytes()))};
 }
 
-/// Small pictures of all formats, or of those whose extensions `wanted` holds for.
-std::vector<SoundFile> sound_pictures(const std::function<bool(const std::string& extension)>& wanted = {}) {
+/// Small images of all formats, or of those whose extensions `wanted` holds for.
+std::vector<SoundFile> sound_images(const std::function<bool(const std::string& extension)>& wanted = {}) {
   const TemporaryDirectory directory;
   std::vector<SoundFile> files = sound_files(directory.path());
   std::erase_if(files, [&](const SoundFile& file) {
@@ -123,28 +123,28 @@ std::vector<SoundFile> sound_pictures(const std::function<bool(const std::string
 
 TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][textures][damage][slow]") {
   const auto is_png = [](const std::string& extension) { return extension == ".png"; };
-  check_damage(sound_pictures(std::not_fn(is_png)), for_each_truncation, false);
-  check_damage(sound_pictures(is_png), for_each_truncation, true);  // nothing that is needed follows the last row
+  check_damage(sound_images(std::not_fn(is_png)), for_each_truncation, false);
+  check_damage(sound_images(is_png), for_each_truncation, true);  // nothing that is needed follows the last row
   check_damage(sound_textures(), for_each_truncation, false);
 }
 
 TEST_CASE("no changed byte does harm", "[codec][textures][damage][slow]") {
-  check_damage(sound_pictures(), for_each_changed_byte, true);
+  check_damage(sound_images(), for_each_changed_byte, true);
   check_damage(sound_textures(), for_each_changed_byte, true);
 }
 
 TEST_CASE("no extreme number in a header of text does harm", "[codec][env][damage][slow]") {
   const auto is_text = [](const std::string& extension) { return extension == ".pfm" || extension == ".hdr"; };
-  check_damage(sound_pictures(is_text), for_each_extreme_number, true);
+  check_damage(sound_images(is_text), for_each_extreme_number, true);
   check_damage({env_of("sky.env", env_bytes())}, for_each_extreme_number, true);
 }
 
 TEST_CASE("no extreme field of a file does harm", "[codec][textures][damage][slow]") {
-  check_damage(sound_pictures(), for_each_extreme_field, true);
+  check_damage(sound_images(), for_each_extreme_field, true);
   check_damage(sound_textures(), for_each_extreme_field, true);
 }
 
-// Promises: what a header claims costs no memory; a streamed picture needs a few blocks a thread.
+// Promises: what a header claims costs no memory; a streamed image needs a few blocks a thread.
 
 // A sanitizer's own memory is in the way of what a process takes.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -211,7 +211,7 @@ std::optional<std::uint64_t> peak_growth(const std::function<void()>& work) {
   return peak > before ? peak - before : 0;
 }
 
-// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the picture's size.
+// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the image's size.
 void call_once_before(const TemporaryDirectory& directory) {
   const std::filesystem::path exr = directory.file("small.exr");
   static_cast<void>(tiled_exr(exr));
@@ -249,7 +249,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
     patch_attribute(bytes, kDataWindow, 12, 65535);
     patch_attribute(bytes, kDataWindow, 16, 32767);
   });
-  check([](auto& bytes) {  // a picture as large as integers go
+  check([](auto& bytes) {  // an image as large as integers go
     patch_attribute(bytes, kDataWindow, 4, 0xc0000002);
     patch_attribute(bytes, kDataWindow, 12, 0x3ffffffe);
   });
@@ -371,7 +371,7 @@ TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread
   const auto stream = [&] { return project_file(path, options).diagnostics.texels == 16384 * 512; };
   const auto measure = [&] { return measure_environment(path, options).texels == 16384 * 512; };
   call_once_before(directory);
-  // In use, as above. The picture has 96 MiB as floats.
+  // In use, as above. The image has 96 MiB as floats.
   const auto takes_less_than = [](std::uint64_t bytes, int threads, const std::function<bool()>& work) {
     std::optional<std::uint64_t> growth;
     bool success = false;

@@ -54,8 +54,8 @@ void mend_png_checksums(std::uint8_t* bytes, std::size_t count) {
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t count, std::size_t most);
 
-// PNGs begin where their signature stands: at a file's first byte, or, as an .env's pictures, further on. What follows
-// a picture is no chunk of it, so mending ends there by itself.
+// PNGs begin where their signature stands: at a file's first byte, or, as an .env's images, further on. What follows
+// an image is no chunk of it, so mending ends there by itself.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t count, std::size_t most,
                                                unsigned seed) {
   constexpr std::array<std::uint8_t, 4> signature{0x89, 'P', 'N', 'G'};

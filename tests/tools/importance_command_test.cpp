@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
@@ -13,13 +13,13 @@ namespace welkin::test {
 TEST_CASE("importance: files hold the library's tables", "[tools][importance]") {
   const TemporaryDirectory scratch;
   const auto input = scratch.path() / "sky.exr";
-  const TestLatLong picture = make_lat_long(Content::high_range, 20, 10, 3);
-  write_environment(input, picture.view(), {.type = SampleType::float32});
+  const TestLatLong image = make_lat_long(Content::high_range, 20, 10, 3);
+  write_environment(input, image.view(), {.type = SampleType::float32});
   const auto folder = scratch.path() / "a" / "tables";
   printed_by("importance " + quoted(input) + " -o " + quoted(folder) +
              " --width 8 --height 5 --weight largest --mis-compensation --alias --pyramid");
   const ImportanceTable table = importance_table(
-      picture.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
+      image.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
   CHECK(npy_values<float>(folder / "function.npy", "'<f4'", "(5, 8)") == table.function);
   CHECK(npy_values<float>(folder / "row_cdf.npy", "'<f4'", "(6, )") == table.row_cdf);
   CHECK(npy_values<float>(folder / "column_cdf.npy", "'<f4'", "(5, 9)") == table.column_cdf);

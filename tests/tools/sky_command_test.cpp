@@ -202,11 +202,11 @@ TEST_CASE("sky: numbers out of range are refused by name, and options that do no
   const std::string day = "--sweep " + quoted(folder.path() / "day.png") + ' ';
   const std::map<std::string, std::vector<std::string>> not_together{
       {"",
-       {"--size 64", "--sun-disc", "--formats exr", "--picture-height 64", "--sweep-to -6", "--sweep-tiles 3",
+       {"--size 64", "--sun-disc", "--formats exr", "--image-height 64", "--sweep-to -6", "--sweep-tiles 3",
         "--sweep " + quoted(folder.path() / "day.jpg"), "--json --format text", "input.hdr"}},
       {out,
        {"--format c", day, "--window min-laplacian", "--quadrature gauss", "--directions 8,8", "--size 0",
-        "--picture-height 0"}},
+        "--image-height 0"}},
       {day,
        {"--json", "--sun-azimuth 5", "--quadrature gauss", "--directions 8,8", "--bands 2", "--window min-laplacian",
         "--for unity", "--sweep-tiles 0", "--sweep-to -91", "--sweep-size 4"}}};
@@ -269,9 +269,9 @@ TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "
   const TemporaryDirectory folder;
   const auto file = folder.path() / "broken.sky";
   const std::string tables = kSmallSky + "--tables " + quoted(file);
-  std::ofstream(file) << "my holiday pictures\n";
+  std::ofstream(file) << "my holiday images\n";
   CHECK(contains(sky_failure(tables, 1), "broken.sky"));
-  CHECK(file_text(file) == "my holiday pictures\n");
+  CHECK(file_text(file) == "my holiday images\n");
   std::filesystem::remove(file);
 
   sky_json("--tables " + quoted(file));
@@ -286,7 +286,7 @@ TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "
   CHECK(contains(sky_failure(kSmallSky + "--tables " + quoted(folder.path()), 1), folder.path().filename().string()));
 }
 
-// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the picture that lies beside it.
+// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the image that lies beside it.
 
 namespace {
 
@@ -305,7 +305,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   const auto baked = scratch.path() / "baked";
   for (const std::string& engine : {std::string(), std::string("--for unreal ")}) {
     const nlohmann::json manifest =
-        bake_sky(sky, engine + "--sun-elevation 20 --picture-height 64 --no-previews --formats ktx2,dds,exr,env");
+        bake_sky(sky, engine + "--sun-elevation 20 --image-height 64 --no-previews --formats ktx2,dds,exr,env");
     CHECK(names_in(sky) == names_of(manifest));
     bake_into(baked, engine + kSmallBake + "--size 32 --background-size 128 --no-previews --formats ktx2,dds,exr,env " +
                          quoted(sky / "sky.exr"));
@@ -324,14 +324,14 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   }
 }
 
-TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake][slow]") {
+TEST_CASE("sky -o: sky.exr is the library's image, the sun left out unless asked for", "[tools][sky][bake][slow]") {
   const TemporaryFile out("out");
   const auto tables = small_sky();
   const SkyView view(tables, 0.0);
   const glm::dvec3 sun = sun_direction(30.0, 40.0);
   for (const bool inside : {false, true}) {
     const nlohmann::json manifest =
-        bake_sky(out, std::string("--sun-elevation 30 --sun-azimuth 40 --picture-height 48 --no-previews ") +
+        bake_sky(out, std::string("--sun-elevation 30 --sun-azimuth 40 --image-height 48 --no-previews ") +
                           (inside ? "--sun-disc" : ""));
     const Environment stored = read_environment(out / "sky.exr");
     const LatLongImage expected = sky_lat_long(view, sun, 48, {.sun_disc = inside});
@@ -349,7 +349,7 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
   }
 }
 
-// `welkin sky --sweep`: a picture and a text beside it; days are bright and blue, dusk is red, nights are dark.
+// `welkin sky --sweep`: an image and a text beside it; days are bright and blue, dusk is red, nights are dark.
 
 namespace {
 
@@ -370,7 +370,7 @@ std::vector<double> elevations(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky][slow]") {
+TEST_CASE("sky --sweep: image and text have the tiles that were asked for", "[tools][sky][slow]") {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "day.png";
   struct Case {
@@ -387,9 +387,9 @@ TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[
     INFO(each.arguments);
     const std::string said = printed_by("sky " + kFewColours + each.arguments + " --sweep " + quoted(file));
     CHECK(said == file_text(folder.path() / "day.txt"));
-    const EnvironmentInfo picture = read_environment(file, {.layout = Layout::lat_long}).info;
-    CHECK(picture.width == each.width);
-    CHECK(picture.height == each.height);
+    const EnvironmentInfo image = read_environment(file, {.layout = Layout::lat_long}).info;
+    CHECK(image.width == each.width);
+    CHECK(image.height == each.height);
     const std::vector<double> found = elevations(said);
     REQUIRE(found.size() == each.tiles);
     CHECK(found.front() == each.first);
