@@ -33,7 +33,9 @@ BabylonPolynomial some_polynomial() {
   return polynomial;
 }
 
-bool same_bits(const BabylonPolynomial& a, const BabylonPolynomial& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_polynomial(const BabylonPolynomial& a, const BabylonPolynomial& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 BabylonEnvironment some_environment(int size, int octaves = 6) {
   BabylonEnvironment environment;
@@ -152,7 +154,7 @@ TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env][
     CHECK(read.irradiance.size() == 0);
     CHECK(!read.dominant_direction);
     REQUIRE(read.polynomial);
-    CHECK(same_bits(*read.polynomial, *environment.polynomial));
+    CHECK(same_polynomial(*read.polynomial, *environment.polynomial));
     CHECK(is_rgbd_of(environment.specular, read.specular));
   }
 }

@@ -358,8 +358,8 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
   CHECK(glm::length(made.at(1, 1) - plain.at(1, 0)) < 1e-12);
   CHECK(glm::length(made.at(1, -1) - plain.at(1, -1)) < 1e-12);
   CHECK(distance(made, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
-  const std::string half = std::to_string(std::sqrt(0.5));
-  CHECK(distance(made, light(" --rotation 0," + half + ",0," + half)) < 1e-12);
+  const std::string root = std::to_string(std::sqrt(0.5));
+  CHECK(distance(made, light(" --rotation 0," + root + ",0," + root)) < 1e-12);
   CHECK(distance(plain, light(" --yaw 30 --rotation 0,0.25881904510252074,0,-0.9659258262890683")) < 1e-12);
   CHECK(distance(plain, light(" --yaw 360")) == 0.0);
 }
