@@ -2,7 +2,6 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
-#include "support/heap.h"
 #include "support/pictures.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
@@ -66,30 +65,12 @@ TEST_CASE("The direct irradiance cubemap is direct irradiance", "[irradiance_cub
   }
 }
 
-TEST_CASE("Tiles of irradiance cubemaps allocate nothing", "[irradiance_cubemap]") {
-  const SphericalHarmonics harmonics = RandomLight(50).harmonics(5);
-  forget_allocations_in_tiles();
-  run_with_threads(3, [&] { static_cast<void>(irradiance_cubemap(harmonics, 67)); });
-  CHECK(allocations_in_tiles() == 0);
-}
-
-TEST_CASE("Irradiance cubemaps are refused, stopped and reported upon", "[irradiance_cubemap]") {
+TEST_CASE("Irradiance cubemaps of sizes that cannot be are refused", "[irradiance_cubemap]") {
   const SphericalHarmonics harmonics = RandomLight(50).harmonics(3);
   CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 0); }).says("from 1 to 4096"));
   CHECK(thrown_by([&] { return irradiance_cubemap(harmonics, 4097); }).code == ErrorCode::invalid_argument);
   const TestCubemap source = make_cubemap(Content::random, 4, 3, 2);
   CHECK(thrown_by([&] { return direct_irradiance_cubemap(source.view(), 5000); }).code == ErrorCode::invalid_argument);
-  stop_source stop;
-  stop.request_stop();
-  CHECK(thrown_by([&] {
-          return irradiance_cubemap(harmonics, 64, {stop.get_token(), {}});
-        }).code == ErrorCode::cancelled);
-  CHECK(thrown_by([&] {
-          return direct_irradiance_cubemap(source.view(), 4, {stop.get_token(), {}});
-        }).code == ErrorCode::cancelled);
-  std::vector<double> shares;
-  (void)direct_irradiance_cubemap(source.view(), 3, {{}, [&](double share) { shares.push_back(share); }});
-  CHECK(shares.back() == 1.0);
 }
 
 // Promise: direct irradiance is the cosine integral over texels as areas, at every size, on any number of threads.
@@ -185,7 +166,7 @@ TEST_CASE("Formats, strides and pixel policies are those of project", "[sh][irra
   CHECK(glm::length(direct_irradiance(upside_down, -up) - found) < 1e-12);
 }
 
-TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[sh][irradiance]") {
+TEST_CASE("Normals that cannot be are refused", "[sh][irradiance]") {
   const TestLatLong image = make_lat_long(Content::uniform, 8, 4, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -195,11 +176,6 @@ TEST_CASE("Normals that cannot be are refused, and a call can be cancelled", "[s
     CHECK(error.says("normal 0"));
   }
   CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), std::span<const glm::dvec3>()); }).says("1 to 100000"));
-  stop_source stop;
-  stop.request_stop();
-  const Control control{stop.get_token(), {}};
-  const glm::dvec3 up(0, 1, 0);
-  CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), {&up, 1}, {}, control); }).code == ErrorCode::cancelled);
 }
 
 // Promise: the irradiance of n bands is off by what docs/maths/irradiance.md says, on real environments and synthetic

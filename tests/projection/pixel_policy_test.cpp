@@ -60,16 +60,6 @@ TEST_CASE("Options out of range are refused", "[sh]") {
   }
 }
 
-TEST_CASE("A stop request cancels a projection, and the next one works", "[sh]") {
-  const TestCubemap cubemap = make_cubemap(Content::random, 300, 3, 1);
-  stop_source source;
-  source.request_stop();
-  Control control;
-  control.stop = source.get_token();
-  CHECK(thrown_by([&] { static_cast<void>(project(cubemap.view(), {}, control)); }).code == ErrorCode::cancelled);
-  CHECK(project(cubemap.view()).diagnostics.texels == 6 * 300 * 300);
-}
-
 // What is done about NaN, infinities, negatives, gamma and too bright texels, and what is said of it.
 
 namespace {

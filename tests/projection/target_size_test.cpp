@@ -177,16 +177,6 @@ TEST_CASE("A box reduction rejects texels by their own place", "[sh][target][pol
   CHECK(error.says("face -Y, row 70, column 90 is negative"));
 }
 
-TEST_CASE("Progress over several passes rises once", "[sh][target]") {
-  const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 1);
-  std::vector<double> seen;
-  Control control;
-  control.progress = [&](double share) { seen.push_back(share); };
-  static_cast<void>(project(cubemap.view(), with_target(128, Quadrature::midpoint), control));
-  CHECK(std::is_sorted(seen.begin(), seen.end()));
-  CHECK(seen.back() == 1.0);
-}
-
 TEST_CASE("An uneven chain is refused", "[sh][target]") {
   const Chain chain(16);
   std::vector<CubemapView> views = chain.views;

@@ -5,7 +5,6 @@
 #include "reflections/brdf_table.h"
 #include "simd/dispatch.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/same_bits.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -230,12 +229,6 @@ TEST_CASE("BRDF tables are made once and shared", "[brdf]") {
   for (std::thread& thread : threads) thread.join();
   for (const auto& table : found) CHECK(table == found.front());
   CHECK(brdf_table({61, 59, BrdfModel::split_sum, true}) != found.front());
-}
-
-TEST_CASE("Filling a BRDF table allocates nothing in its tiles", "[brdf]") {
-  forget_allocations_in_tiles();
-  (void)reflections::integrated_brdf({130, 40, BrdfModel::split_sum, true}, {});
-  CHECK(allocations_in_tiles() == 0);
 }
 
 TEST_CASE("BRDF tables report their progress, cached ones too", "[brdf]") {

@@ -2,7 +2,6 @@
 #include "math/quadrature.h"
 #include "reference/reference_projection.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -325,51 +324,6 @@ TEST_CASE("Many bands begin where they should", "[specular][transform][slow]") {
     error = std::max(error, std::abs(truth - static_cast<double>(grid.texel(column, ring)[0])));
   }
   CHECK(error < 2e-5);  // values are of order 1
-}
-
-// The transform's bits do not depend on threads or instruction set, its tiles allocate nothing, and it stops when told.
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("The transform's tiles allocate nothing", "[specular][transform][allocation]") {
-  for (const int width : {512, 509}) {  // the second one prime: a convolution
-    const TestLatLong source = make_lat_long(Content::random, width, 256, 42);
-    for (const int threads : {1, 3}) {
-      run_with_threads(threads, [&] {
-        forget_allocations_in_tiles();
-        const transforms::Spectrum spectrum = transforms::analyse(source.view(), 120, {});
-        SphereGrid grid(160, 320, GridContent::spline_coefficients);
-        transforms::synthesise(spectrum, std::vector<double>(120, 1.0), grid, {});
-        CHECK(allocations_in_tiles() == 0);
-      });
-    }
-  }
-}
-#endif
-
-TEST_CASE("The transform can be stopped and says how far it is", "[specular][transform][cancellation]") {
-  const TestLatLong source = make_lat_long(Content::random, 512, 256, 43);
-  const std::vector<double> zonal(100, 1.0);
-  const transforms::Spectrum spectrum = transforms::analyse(source.view(), 100, {});
-  SphereGrid grid(128, 256, GridContent::samples);
-  const std::function<void(const Control&)> ways[] = {
-      [&](const Control& control) { static_cast<void>(transforms::analyse(source.view(), 100, control)); },
-      [&](const Control& control) { transforms::synthesise(spectrum, zonal, grid, control); }};
-  for (const auto& way : ways) {
-    std::vector<double> done;
-    way({{}, [&](double part) { done.push_back(part); }});
-    REQUIRE(done.size() > 10);
-    CHECK(std::is_sorted(done.begin(), done.end()));
-    CHECK(done.back() == 1.0);
-    for (const double moment : {0.0, 0.1, 0.3, 0.7}) {
-      CAPTURE(moment);
-      stop_source stop;
-      if (moment == 0.0) stop.request_stop();
-      const Control stopping{stop.get_token(), [&](double part) {
-                               if (part >= moment) stop.request_stop();
-                             }};
-      CHECK(thrown_by([&] { way(stopping); }).code == ErrorCode::cancelled);
-    }
-  }
 }
 
 TEST_CASE("The transform refuses what it cannot do", "[specular][transform]") {
