@@ -355,6 +355,9 @@ TEST_CASE("Options that make no sense are named", "[sky][tables]") {
   });
   CHECK(error.code == ErrorCode::invalid_argument);
   CHECK(error.says("linear_srgb"));
+  Atmosphere broken = earth_bruneton();
+  broken.rayleigh.scattering_per_m[1] = std::nan("");
+  CHECK(thrown_by([&] { static_cast<void>(precompute_sky(broken, small_options())); }).says("rayleigh"));
 }
 
 TEST_CASE("Lengths along the rays of tables stay where only ground or haze changes", "[sky]") {

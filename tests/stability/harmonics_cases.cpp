@@ -226,20 +226,6 @@ double constant_minimum() {
   return worst;
 }
 
-double refusals() {
-  SphericalHarmonics dark = gradient(2.0, {0, 1, 0});
-  dark.at(0, 0) = glm::dvec3(0.0);
-  SphericalHarmonics broken = gradient(2.0, {0, 1, 0});
-  broken.at(1, 0).y = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [](const SphericalHarmonics& light, Window window, double width) {
-    return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)apply_window(light, window, width); });
-  };
-  const SphericalHarmonics light = gradient(2.0, {0, 1, 0});
-  return refused(dark, Window::min_laplacian, 0.0) + refused(broken, Window::min_laplacian, 0.0) +
-         refused(light, Window::hanning, -1.0) +
-         refused(light, Window::lanczos, std::numeric_limits<double>::infinity());
-}
-
 /// Widths that are tiny leave band 0 alone; huge ones change nothing.
 double width_error() {
   const SphericalHarmonics light = one_sided_light(6);
@@ -310,7 +296,6 @@ void add_window_cases(StabilityCases& cases) {
             scaled_lambda_error);
   cases.add("widths", "widths of 1e-300 leave band 0 alone, widths of 1e12 change nothing", "closed form", {1e-15},
             width_error);
-  cases.add_count("refusals", "no light in band 0, NaN, widths that are none: refused", "the error's code", refusals);
 }
 
 }  // namespace welkin::test::stability
