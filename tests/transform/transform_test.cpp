@@ -1,19 +1,16 @@
 // The fast transform between grids and hundreds of bands, and the Fourier transforms of its rings.
 #include "math/quadrature.h"
-#include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
 #include "transform/direct_transform.h"
-#include "transform/frame_transform.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/projection.h"
 
 namespace welkin::test {
 
@@ -121,57 +118,6 @@ TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][tra
       const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
       REQUIRE(spectrum.bands() == bands);
       CHECK(largest_difference(coefficients_of(spectrum), truth) < 3e-7 * largest(truth));
-    }
-  }
-}
-
-namespace {
-
-// Y(l, m) = sqrt(2) P cos(m phi), Y(l, -m) = sqrt(2) P sin(m phi) for m > 0, and c = Int f P e^(-i m phi): in the frame
-// whose third axis is y. The canonical frame's is z.
-
-/// The first bands in Welkin's canonical real form.
-SphericalHarmonics harmonics_of(const transforms::Spectrum& spectrum, int bands) {
-  const auto functions = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
-  std::vector<double> local(3 * functions);
-  std::vector<double> canonical(3 * functions);
-  std::vector<int> place(functions);
-  for (std::size_t k = 0; k < functions; ++k) place[k] = static_cast<int>(k);
-  for (int channel = 0; channel < 3; ++channel) {
-    double* const here = local.data() + static_cast<std::size_t>(channel) * functions;
-    for (int l = 0; l < bands; ++l) {
-      for (int m = 0; m <= l; ++m) {
-        const std::complex<double> c = spectrum.value(l, m, channel) * (m > 0 ? std::numbers::sqrt2 : 1.0);
-        here[SphericalHarmonics::index(l, m)] = c.real();
-        if (m > 0) here[SphericalHarmonics::index(l, -m)] = -c.imag();
-      }
-    }
-  }
-  transforms::lat_long_transform(bands).add(local.data(), place.data(), canonical.data());
-  SphericalHarmonics result(bands);
-  for (std::size_t k = 0; k < functions; ++k) {
-    result.coefficients()[k] = {canonical[k], canonical[functions + k], canonical[2 * functions + k]};
-  }
-  return result;
-}
-
-}  // namespace
-
-TEST_CASE("The first bands are those of the reference projection", "[specular][transform][truth]") {
-  for (const auto& [width, height] : {std::pair{64, 32}, std::pair{33, 17}, std::pair{2, 1}, std::pair{512, 256}}) {
-    for (const int bands : {1, 3, 16}) {
-      CAPTURE(width, height, bands);
-      const LatLongImage image = image_of(Content::high_range, width, height, 6);
-      const ProjectionOptions options{.bands = bands};
-      const SphericalHarmonics truth = reference_projection(image.view(), options);
-      const SphericalHarmonics found = harmonics_of(transforms::analyse(image.view(), bands + 5, {}), bands);
-      double most = 0.0;
-      double error = 0.0;
-      for (std::size_t k = 0; k < truth.coefficients().size(); ++k) {
-        most = std::max(most, glm::length(truth.coefficients()[k]));
-        error = std::max(error, glm::length(found.coefficients()[k] - truth.coefficients()[k]));
-      }
-      CHECK(error < 1e-6 * most);
     }
   }
 }
