@@ -33,6 +33,12 @@ PrefilterOptions bounded(double rms, double maximum) {
   return options;
 }
 
+/// Prefilters a picture that lives as long.
+template <class Picture>
+auto prefiltered(const Picture& picture, const PrefilterOptions& options) {
+  return [&picture, options] { return prefilter_specular(picture.view(), options); };
+}
+
 /// Some mips at the ends are not made, as where a cache holds them.
 PrefilteredSpecular prefiltered_without(const EnvironmentView& view, const PrefilterOptions& options, int sharp,
                                         int rough) {
@@ -123,34 +129,20 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
   require_as_recorded(
       "prefilter_lat_long",
       {
-          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); }},
-          {"filament_32",
-           [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::filament, 32, 5)); }},
-          {"babylon_64", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 64, 7)); },
-           Repeats::once},
-          {"default_schedule_8", [&] { return prefilter_specular(smooth.view(), {.size = 8}); }},
-          {"odd_19", [&] { return prefilter_specular(texel.view(), scheduled(RoughnessSchedule::linear, 19, 4)); }},
+          {"linear_32", prefiltered(sunny, scheduled(RoughnessSchedule::linear, 32, 6))},
+          {"filament_32", prefiltered(sunny, scheduled(RoughnessSchedule::filament, 32, 5))},
+          {"babylon_64", prefiltered(half, scheduled(RoughnessSchedule::babylon, 64, 7)), Repeats::once},
+          {"default_schedule_8", prefiltered(smooth, {.size = 8})},
+          {"odd_19", prefiltered(texel, scheduled(RoughnessSchedule::linear, 19, 4))},
           {"left_out",
            [&] { return prefiltered_without(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 5), 2, 1); }},
-          {"clamped", [&] { return prefilter_specular(special.view(), clamped); }},
-          {"loose_bounds", [&] { return prefilter_specular(sunny.view(), bounded(3e-2, 0.3)); }},
-          {"tight_bounds", [&] { return prefilter_specular(smooth.view(), bounded(1e-4, 1e-3)); }},
-          {"spectral_sun",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}));
-           }},
-          {"spectral_texel",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(spectral, 16, {0.25, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(smooth.view(), prefilter(reference, 4, {0.0, 0.3, 1.0}));
-           }},
+          {"clamped", prefiltered(special, clamped)},
+          {"loose_bounds", prefiltered(sunny, bounded(3e-2, 0.3))},
+          {"tight_bounds", prefiltered(smooth, bounded(1e-4, 1e-3))},
+          {"spectral_sun", prefiltered(sunny, prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}))},
+          {"spectral_texel", prefiltered(texel, prefilter(spectral, 16, {0.25, 0.6, 1.0}))},
+          {"narrow", prefiltered(texel, prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}))},
+          {"reference", prefiltered(smooth, prefilter(reference, 4, {0.0, 0.3, 1.0}))},
           {"reference_at_directions",
            [&] {
              return bits_of(reference_specular(texel.view(), 0.3, directions()),
@@ -169,25 +161,14 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
   require_as_recorded(
       "prefilter_cubemap",
       {
-          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); },
-           Repeats::once},
-          {"filament_16",
-           [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::filament, 16, 4)); }},
-          {"babylon_16", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 16, 5)); }},
-          {"odd_11", [&] { return prefilter_specular(odd.view(), scheduled(RoughnessSchedule::linear, 11, 3)); }},
+          {"linear_32", prefiltered(sunny, scheduled(RoughnessSchedule::linear, 32, 6)), Repeats::once},
+          {"filament_16", prefiltered(half, scheduled(RoughnessSchedule::filament, 16, 4))},
+          {"babylon_16", prefiltered(half, scheduled(RoughnessSchedule::babylon, 16, 5))},
+          {"odd_11", prefiltered(odd, scheduled(RoughnessSchedule::linear, 11, 3))},
           {"left_out", [&] { return prefiltered_without(half.view(), four, 1, 0); }},
-          {"spectral",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(half.view(), prefilter(reference, 4, {0.0, 0.2, 0.7}));
-           }},
+          {"spectral", prefiltered(sunny, prefilter(spectral, 8, {0.3, 0.6, 1.0}))},
+          {"narrow", prefiltered(sunny, prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}))},
+          {"reference", prefiltered(half, prefilter(reference, 4, {0.0, 0.2, 0.7}))},
           {"reference_at_directions", [&] { return reference_specular(sunny.view(), 0.2, directions()); }},
       });
 }
