@@ -27,7 +27,7 @@ constexpr std::array<Subject, 15> kSubjects{
      {{"roughness", "Lobes from a point to the whole hemisphere."}, stability::add_roughness_cases},
      {{"grazing", "Cosine and GGX kernels over a sphere that is lit above the horizon only."},
       stability::add_grazing_cases},
-     {{"brdf", "The split sum's table at grazing views and for mirrors (DFG)."}, stability::add_brdf_cases},
+     {{"brdf", "The split sum's table at grazing views (DFG)."}, stability::add_brdf_cases},
      {{"windows", "Least windows that are hard to find, by light that is hardly or nearly all negative."},
       stability::add_window_cases},
      {{"rotation", "Turns of coefficients."}, stability::add_rotation_cases},
