@@ -159,18 +159,9 @@ bool same(const BrdfTable& a, const BrdfTable& b) {
 }  // namespace
 
 TEST_CASE("Each texel of a BRDF table is at its own angle and roughness", "[brdf]") {
-  for (const auto& [width, height] : std::vector<std::pair<int, int>>{{1, 1},
-                                                                      {2, 3},
-                                                                      {7, 5},
-                                                                      {15, 2},
-                                                                      {16, 2},
-                                                                      {17, 2},
-                                                                      {63, 3},
-                                                                      {64, 4},
-                                                                      {65, 3},
-                                                                      {257, 2},
-                                                                      {4096, 1},
-                                                                      {1, 4096}}) {
+  const int sizes[][2] = {{1, 1},  {2, 3},  {7, 5},  {15, 2},  {16, 2},   {17, 2},
+                          {63, 3}, {64, 4}, {65, 3}, {257, 2}, {4096, 1}, {1, 4096}};
+  for (const auto& [width, height] : sizes) {
     const auto table = brdf_table({width, height, BrdfModel::split_sum, true});
     REQUIRE(table->channels == 3);
     REQUIRE(table->values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
