@@ -162,14 +162,12 @@ TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
   const Cubemap cube = cube_picture();
   std::vector<NamedResult> results;
   for (const NamedNeeds& scene : scenes()) {
-    std::string name = "lat_long_";
-    name += scene.name;
-    results.emplace_back(
-        name, [&wide, needs = scene.needs] { return bake(wide.view(), plan(wide.view(), needs, small_bake())); });
-    name = "cubemap_";
-    name += scene.name;
-    results.emplace_back(
-        name, [&cube, needs = scene.needs] { return bake(cube.view(), plan(cube.view(), needs, small_bake())); });
+    results.emplace_back(joined("lat_long_", scene.name), [&wide, needs = scene.needs] {
+      return bake(wide.view(), plan(wide.view(), needs, small_bake()));
+    });
+    results.emplace_back(joined("cubemap_", scene.name), [&cube, needs = scene.needs] {
+      return bake(cube.view(), plan(cube.view(), needs, small_bake()));
+    });
   }
   require_as_recorded("planned_bake", results);
 }
@@ -180,10 +178,7 @@ TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
   for (const char* file_name : {"wide.pfm", "wide.hdr", "light.env", "cube.ktx2", "plain.ktx2"}) {
     results.emplace_back(file_name, [&files, file_name] { return bake_file(files.path(file_name), {}, small_bake()); });
     for (const NamedNeeds& scene : {scenes()[0], scenes()[1], scenes()[3]}) {
-      std::string name = file_name;
-      name += '_';
-      name += scene.name;
-      results.emplace_back(name, [&files, file_name, needs = scene.needs] {
+      results.emplace_back(joined(file_name, '_', scene.name), [&files, file_name, needs = scene.needs] {
         return bits_of_plan(inspect_stored_environment(files.path(file_name)), needs);
       });
     }

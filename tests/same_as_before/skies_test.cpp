@@ -209,10 +209,9 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
   for (const SkyQuadrature quadrature : {SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
     for (const auto& [view_name, view] : {std::pair{"_ground", &ground}, std::pair{"_high", &high}}) {
       // Its hashes were recorded under its name of then.
-      std::string title = quadrature == SkyQuadrature::uniform ? "article" : name(quadrature);
-      title += view_name;
       results.emplace_back(
-          title, [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });
+          joined(quadrature == SkyQuadrature::uniform ? "article" : name(quadrature), view_name),
+          [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });
     }
   }
   results.emplace_back("seven_bands",
