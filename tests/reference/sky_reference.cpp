@@ -136,23 +136,6 @@ double horizontal(const glm::dvec3& direction) {
   return std::sqrt(direction.x * direction.x + direction.z * direction.z);
 }
 
-/// A ring of equal zenith angles.
-struct Ring {
-  double cosine = 0.0;
-  double sine = 0.0;
-  double weight = 0.0;
-};
-
-std::vector<Ring> rings_of(const sky::SkyRule& rule) {
-  std::vector<Ring> rings;
-  for (const sky::RingRule* side : {&rule.above, &rule.below}) {
-    for (std::size_t k = 0; k < side->cosines.size(); ++k) {
-      rings.push_back({side->cosines[k], side->sines[k], side->weights[k]});
-    }
-  }
-  return rings;
-}
-
 /// Horizontal, towards the sun; towards +z for one in the zenith or nadir.
 glm::dvec3 ahead_of(const glm::dvec3& sun) {
   const double length = horizontal(sun);
@@ -221,22 +204,24 @@ SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double 
     if (std::abs(g) > std::abs(sharpest)) sharpest = g;
   }
   const sky::SkyRule rule = sky::sky_rule(places, horizon, top, sharpest);
-  const std::vector<Ring> rings = rings_of(rule);
+  const std::size_t above_horizon = rule.above.cosines.size();
   const glm::dvec3 ahead = ahead_of(sun);
   const glm::dvec3 aside(ahead.z, 0.0, -ahead.x);
   const auto count = static_cast<std::size_t>(options.bands * options.bands);
-  std::vector<SphericalHarmonics> sums(rings.size(), SphericalHarmonics(options.bands));
+  std::vector<SphericalHarmonics> sums(above_horizon + rule.below.cosines.size(), SphericalHarmonics(options.bands));
   const jobs::Placement placement = jobs::Placement::arena;
-  jobs::run_tiles(rings.size(), placement, jobs::worker_count(placement), {}, [&](std::size_t k, std::size_t) {
-    const Ring& ring = rings[k];
+  jobs::run_tiles(sums.size(), placement, jobs::worker_count(placement), {}, [&](std::size_t k, std::size_t) {
+    const sky::RingRule& side = k < above_horizon ? rule.above : rule.below;
+    const std::size_t ring = k < above_horizon ? k : k - above_horizon;
     std::vector<double> basis(count);
     for (std::size_t i = 0; i < rule.azimuths.cosines.size(); ++i) {
       const double sine = std::sqrt(rule.azimuths.from_sun[i] * rule.azimuths.from_opposite[i]);
-      const glm::dvec3 along = glm::dvec3(0.0, ring.cosine, 0.0) + ring.sine * rule.azimuths.cosines[i] * ahead;
-      const glm::dvec3 across = ring.sine * sine * aside;
+      const glm::dvec3 along =
+          glm::dvec3(0.0, side.cosines[ring], 0.0) + side.sines[ring] * rule.azimuths.cosines[i] * ahead;
+      const glm::dvec3 across = side.sines[ring] * sine * aside;
       const std::vector<double> light =
           reference_sky_radiance(atmosphere, altitude_m, along + across, sun, options.radiance);
-      const double weight = 0.5 * ring.weight * rule.azimuths.weights[i];
+      const double weight = 0.5 * side.weights[ring] * rule.azimuths.weights[i];
       for (const glm::dvec3& direction : {along + across, along - across}) {
         evaluate_basis(direction, options.bands, basis);
         for (std::size_t c = 0; c < count; ++c) {
