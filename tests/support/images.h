@@ -6,6 +6,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/temporary_directory.h"
+#include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -19,6 +20,19 @@ inline bool shared_images_are_here() {
   if (std::filesystem::exists(kVariants / "truth_256x128.npy")) return true;
   WARN("left out: the shared images are not at " << kImages);
   return false;
+}
+
+/// The shared lat-longs of up to 1024 columns, of one kind of file where its extension is given, by their names.
+inline std::vector<std::filesystem::path> shared_lat_longs(const std::string& extension = "") {
+  std::vector<std::filesystem::path> files;
+  if (!shared_images_are_here()) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(kImages / "env")) {
+    if (!extension.empty() && entry.path().extension() != extension) continue;
+    const EnvironmentInfo info = inspect_environment(entry.path());
+    if (info.layout == Layout::lat_long && info.width <= 1024) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 /// What REFERENCE_SH.csv of the shared images has of a kind, by file name: names and values, in its order. Its lines
