@@ -51,6 +51,15 @@ inline BakeOptions small_bake(int size = 16) {
   return options;
 }
 
+/// Three cubemaps and harmonics, of different sizes.
+inline BakeOptions quick_bake(int size = 8) {
+  BakeOptions options{.background = BackgroundOptions{.size = 16},
+                      .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}},
+                      .irradiance = IrradianceOptions{.size = 5}};
+  options.brdf.reset();
+  return options;
+}
+
 /// Memory that bakes may take beyond what is predicted: tables by size that are kept between calls (weights, rules),
 /// TBB's own, and what is too small to be predicted.
 constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;

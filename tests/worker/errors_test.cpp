@@ -32,6 +32,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   CHECK(outcome(worker.post(ProjectFile{"no-such-file.exr"})) == "file_access");
   CHECK(outcome(worker.post(ReadFile{"no-such-file.exr"})) == "file_access");
   CHECK(outcome(worker.post(MeasureFile{"no-such-file.exr"})) == "file_access");
+  CHECK(outcome(worker.post(BakeFile{"no-such-file.exr"})) == "file_access");
   const TemporaryDirectory directory;
   write_bytes(directory.file("empty.exr"), {'a', 'b', 'c', 'd', 'e'});
   CHECK(outcome(worker.post(ProjectFile{directory.file("empty.exr")})) == "unsupported_file");
