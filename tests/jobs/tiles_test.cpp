@@ -137,23 +137,6 @@ TEST_CASE("A cancelled group around a job does not make it skip tiles", "[jobs]"
   CHECK(tiles == 500);
 }
 
-TEST_CASE("A progress callback may use TBB", "[jobs]") {
-  run_with_threads(4, [] {
-    for (int repetition = 0; repetition < 20; ++repetition) {
-      std::atomic<int> work{0};
-      std::vector<double> seen;
-      Control control;
-      control.progress = [&](double share) {
-        seen.push_back(share);
-        tbb::parallel_for(0, 50, [&](int) { ++work; });
-      };
-      run(200, Placement::arena, control, [](std::size_t, std::size_t) {});
-      CHECK(std::is_sorted(seen.begin(), seen.end()));
-      CHECK(seen.back() == 1.0);
-    }
-  });
-}
-
 TEST_CASE("Tiles see the default floating-point environment and leave the caller's alone", "[jobs]") {
   const FloatEnvironment callers = flushing(mode_named("upward"));
   std::atomic<bool> all_default{true};

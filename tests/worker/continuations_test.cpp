@@ -218,9 +218,7 @@ TEST_CASE("callbacks that were not drained are dropped with their worker", "[wor
 // Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
 
 TEST_CASE("continuations are chained, and run on the worker's threads", "[worker]") {
-  WorkerOptions options = options_with(2);
-  options.name = "chain";
-  Worker worker(options);
+  Worker worker(options_with(2, {.name = "chain"}));
   auto job = post_value(worker, 2).then([](int value) { return value + 0.5; }).then([](double value) {
     return std::to_string(value) + " on " + this_threads_name();
   });
@@ -351,12 +349,6 @@ struct Ended {
   End get() { return take(std::move(future)); }
 };
 
-WorkerOptions named(const std::string& name, int threads = 1) {
-  WorkerOptions options = options_with(threads);
-  options.name = name;
-  return options;
-}
-
 void no_coroutine_is_left() {
   CHECK(eventually([] { return Detached::alive == 0; }));
 }
@@ -364,7 +356,7 @@ void no_coroutine_is_left() {
 }  // namespace
 
 TEST_CASE("a coroutine goes on in the worker with the result", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   Hold hold(worker);
   Ended ended;
   await_job(worker.post([](const Control&) { return 1; }), ended.promise);
@@ -383,7 +375,7 @@ TEST_CASE("a coroutine goes on in the worker with the result", "[worker]") {
 }
 
 TEST_CASE("a coroutine that awaits a ready job stays where it is", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   auto job = worker.post([](const Control&) { return 1; });
   CHECK(eventually([&] { return job.ready(); }));
   Ended ended;
@@ -394,7 +386,7 @@ TEST_CASE("a coroutine that awaits a ready job stays where it is", "[worker]") {
 }
 
 TEST_CASE("a coroutine can ask to go on in drain", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   auto ready = worker.post([](const Control&) { return 1; });
   CHECK(eventually([&] { return ready.ready(); }));
   Ended first;
@@ -476,9 +468,7 @@ TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]"
   constexpr int kJobs = 100'000;
   std::vector<Job<int>> jobs;
   {
-    WorkerOptions options = options_with(1);
-    options.max_jobs = 2 * kJobs;
-    Worker worker(options);
+    Worker worker(options_with(1, {.max_jobs = 2 * kJobs}));
     Hold hold(worker);  // its thread does not contend for the queue with each post
     for (int k = 0; k < kJobs; ++k) jobs.push_back(worker.post([k](const Control&) { return k >= 0 ? 1 : 0; }));
     hold.let_go();

@@ -164,9 +164,7 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   const std::string key = "a key that is too long to be kept inside a string";
   for (const std::size_t max_jobs : {std::size_t{2}, std::size_t{3}}) {  // at the limit, and below it
-    WorkerOptions worker_options = options_with(1);
-    worker_options.max_jobs = max_jobs;
-    Worker worker(worker_options);
+    Worker worker(options_with(1, {.max_jobs = max_jobs}));
     Hold hold(worker);
     const PostOptions options{.key = key};
     auto old = worker.post([key](const Control&) { return key.size(); }, options);

@@ -102,9 +102,7 @@ TEST_CASE("a request sees the very pixels that were moved in", "[worker]") {
 }
 
 TEST_CASE("pixels of a waiting job are freed when it is given up, while the threads are busy", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_jobs = 2;
-  Worker worker(options);
+  Worker worker(options_with(1, {.max_jobs = 2}));
   Hold hold(worker);
 
   Watched cancelled;
