@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "modes.h"
 #include "support/bit_hash.h"
+#include "support/temporary_directory.h"
 #include "welkin/bake.h"
 #include "welkin/engines.h"
 #include "welkin/image.h"
@@ -140,6 +142,15 @@ class Calls {
     }
     lines_.push_back(line);
     return result ? std::move(*result) : throw std::runtime_error(line);
+  }
+
+  /// The same of a call that writes a file, whose bytes are the result.
+  template <class Function>
+  void write(const char* name, const std::filesystem::path& file, const Function& function) {
+    call(name, [&] {
+      function();
+      return read_bytes(file);
+    });
   }
 
   /// The same of a call that must throw: the caller's environment must be what it was then, too.
