@@ -166,10 +166,9 @@ TEST_CASE("Engines' forms of light are the same as before", "[same_as_before]") 
     if (!has_engine_light(c.engine)) continue;
     results.emplace_back(c.name,
                          [engine = c.engine] { return bits_of_engine(engine_light(harmonics(4, 24), engine)); });
-    std::string name = c.name;
-    name += "_in_place";
-    results.emplace_back(
-        name, [engine = c.engine] { return bits_of_engine(engine_light_unrotated(harmonics(2, 25), engine)); });
+    results.emplace_back(joined(c.name, "_in_place"), [engine = c.engine] {
+      return bits_of_engine(engine_light_unrotated(harmonics(2, 25), engine));
+    });
   }
   require_as_recorded("engine_light", results);
 }

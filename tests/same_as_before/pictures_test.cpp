@@ -96,11 +96,8 @@ TEST_CASE("Mip chains are the same as before", "[same_as_before]") {
   for (const auto& [filter_name, filter] :
        {std::pair{"box_", MipFilter::box}, std::pair{"solid_angle_", MipFilter::solid_angle}}) {
     for (const int size : {1, 7, 64, 97}) {
-      std::string name = filter_name;
-      name += std::to_string(size);
-      results.emplace_back(name, [cube = make_cubemap(Content::high_range, size, 4, 47), filter = filter] {
-        return build_mips(cube.view(), filter);
-      });
+      results.emplace_back(joined(filter_name, size), [cube = make_cubemap(Content::high_range, size, 4, 47),
+                                                       filter = filter] { return build_mips(cube.view(), filter); });
     }
   }
   const TestCubemapHalf half = make_cubemap_half(Content::random, 30, 3, 48);
@@ -215,14 +212,10 @@ TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
                                           std::pair{"multiple_scattering", BrdfModel::multiple_scattering}}) {
     for (const bool sheen : {false, true}) {
       for (const auto& [width, height] : {std::pair{1, 1}, {9, 7}, {32, 32}}) {
-        std::string name = model_name;
-        name += sheen ? "_sheen_" : "_";
-        name += std::to_string(width);
-        name += 'x';
-        name += std::to_string(height);
         const BrdfTableOptions options{width, height, model, sheen};
         results.emplace_back(
-            name, [options] { return brdf_table(options); }, Repeats::once);
+            joined(model_name, sheen ? "_sheen_" : "_", width, 'x', height), [options] { return brdf_table(options); },
+            Repeats::once);
       }
     }
   }

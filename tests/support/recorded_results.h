@@ -1,6 +1,8 @@
 // Hashes of results on record: today's code must give the bits that it gave when they were recorded.
 #pragma once
 
+#include <sstream>
+
 #include "support/bit_hash.h"
 #include "support/catch.h"
 
@@ -31,6 +33,14 @@ struct NamedResult {
   std::function<std::uint64_t()> hash;
   Repeats repeats;
 };
+
+/// The name that words and numbers make one after the other.
+template <class... Parts>
+[[nodiscard]] std::string joined(const Parts&... parts) {
+  std::ostringstream name;
+  (name << ... << parts);
+  return name.str();
+}
 
 /// Checks the hash of each result against its line `group/name hash` in tests/data/same_as_before.txt, and that the
 /// group has no other lines there; each mismatch is a failure that names the result. With the environment variable
