@@ -19,10 +19,7 @@ struct Given {
   std::vector<double> numbers;
 };
 
-void add_bits(BitHash& hash, const Given& given) {
-  test::add_bits(hash, given.status);
-  test::add_bits(hash, given.numbers);
-}
+void add_bits(BitHash& hash, const Given& given) { test::add_bits(hash, given.status, given.numbers); }
 
 Given given(welkin_status status, const welkin_projection& projection) {
   Given result{status, {projection.error_estimate}};

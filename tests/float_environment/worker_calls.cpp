@@ -57,10 +57,7 @@ struct Settled {
 };
 
 void add_bits(BitHash& hash, const Settled& light) {
-  test::add_bits(hash, light.radiance);
-  test::add_bits(hash, light.sun);
-  test::add_bits(hash, light.rotations);
-  test::add_bits(hash, light.weights);
+  test::add_bits(hash, light.radiance, light.sun, light.rotations, light.weights);
 }
 
 Settled settle(SkyLight& sky, Worker& worker) {

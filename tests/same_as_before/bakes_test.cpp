@@ -118,13 +118,11 @@ std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyT
   }
   const SkyLightFrame& light = sky.light();
   BitHash hash;
-  add_bits(hash, light.radiance);
-  add_bits(hash, light.sun);
+  add_bits(hash, light.radiance, light.sun);
   for (const SkyReflections& reflections : light.reflections) {
     add_bits(hash, reflections.weight);
     if (reflections.weight == 0.0) continue;
-    add_bits(hash, reflections.specular);
-    add_bits(hash, reflections.rotation);
+    add_bits(hash, reflections.specular, reflections.rotation);
   }
   return hash.value();
 }

@@ -41,14 +41,8 @@ std::uint64_t bits_of_dominant_light(const SphericalHarmonics& radiance) {
 
 std::uint64_t bits_of_engine(const EngineLight& light) {
   BitHash hash;
-  for (const EngineTerm& term : light.terms) {
-    add_bits(hash, term.name);
-    add_bits(hash, term.rgb);
-  }
-  for (const EngineVector& vector : light.vectors) {
-    add_bits(hash, vector.name);
-    add_bits(hash, vector.value);
-  }
+  for (const EngineTerm& term : light.terms) add_bits(hash, term.name, term.rgb);
+  for (const EngineVector& vector : light.vectors) add_bits(hash, vector.name, vector.value);
   return hash.value();
 }
 
@@ -62,9 +56,7 @@ std::vector<glm::dvec3> normals() {
 std::uint64_t bits_of_errors(const std::vector<IrradianceError>& errors) {
   BitHash hash;
   for (const IrradianceError& error : errors) {
-    add_bits(hash, error.bands);
-    for (const double number : {error.rms, error.maximum, error.relative}) add_bits(hash, number);
-    add_bits(hash, error.worst_normal);
+    add_bits(hash, error.bands, error.rms, error.maximum, error.relative, error.worst_normal);
   }
   return hash.value();
 }
@@ -155,10 +147,7 @@ TEST_CASE("Engines' forms of light are the same as before", "[same_as_before]") 
       {"conventions",
        [] {
          BitHash hash;
-         for (const Convention& c : conventions()) {
-           add_bits(hash, c.from_welkin);
-           add_bits(hash, c.faces_from_engine);
-         }
+         for (const Convention& c : conventions()) add_bits(hash, c.from_welkin, c.faces_from_engine);
          return hash.value();
        }},
   };

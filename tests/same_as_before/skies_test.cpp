@@ -65,8 +65,7 @@ std::uint64_t bits_of_lookups(const SkyView& view) {
     view.radiance(directions, sun, rgb);
     add_bits(hash, rgb);
     for (const glm::vec3& direction : directions) add_bits(hash, view.radiance(glm::dvec3(direction), sun));
-    add_bits(hash, view.sun_light(sun));
-    add_bits(hash, view.irradiance(sun));
+    add_bits(hash, view.sun_light(sun), view.irradiance(sun));
   }
   return hash.value();
 }
@@ -81,10 +80,7 @@ std::uint64_t bits_of_projections(const SkyView& view, const SkyHarmonicsOptions
 
 std::uint64_t bits_of_curve(const SkyCurve& curve) {
   BitHash hash;
-  for (const glm::dvec3& sun : suns()) {
-    add_bits(hash, curve.at(sun));
-    add_bits(hash, curve.sun_irradiance(sun));
-  }
+  for (const glm::dvec3& sun : suns()) add_bits(hash, curve.at(sun), curve.sun_irradiance(sun));
   return hash.value();
 }
 
