@@ -168,6 +168,7 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
   const TestLatLong wide = make_lat_long(Content::sun_disc, 80, 40, 28);
   const TestLatLongHalf half = make_lat_long_half(Content::smooth, 33, 20, 29, 4);
   const PixelPolicy clamped{.clamp = RadianceClamp{}};
+  const dvec3 normal(0.6, 0.0, 0.8);
   require_as_recorded(
       "irradiance",
       {
@@ -175,14 +176,8 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
           {"direct_cubemap_of_special_values", [&] { return direct_irradiance(odd.view(), normals(), clamped); }},
           {"direct_lat_long", [&] { return direct_irradiance(wide.view(), normals()); }},
           {"direct_lat_long_f16", [&] { return direct_irradiance(half.view(), normals(), clamped); }},
-          {"reference_cubemap",
-           [&] {
-             return direct_irradiance(cube.view(), {0.6, 0.0, 0.8});
-           }},
-          {"reference_lat_long",
-           [&] {
-             return direct_irradiance(wide.view(), {0.6, 0.0, 0.8});
-           }},
+          {"reference_cubemap", [&] { return direct_irradiance(cube.view(), normal); }},
+          {"reference_lat_long", [&] { return direct_irradiance(wide.view(), normal); }},
           {"errors_cubemap",
            [&] {
              return bits_of_errors(irradiance_errors(cube.view(), project(cube.view(), {.bands = 5}).radiance, 60));

@@ -22,6 +22,8 @@ PrefilterOptions prefilter(PrefilterMethod method, int size, const std::vector<d
   return options;
 }
 
+PrefilterOptions narrow() { return prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}); }
+
 PrefilterOptions scheduled(RoughnessSchedule schedule, int size, int mips) {
   return prefilter(PrefilterMethod::automatic, size, mip_roughness(schedule, mips, size));
 }
@@ -115,8 +117,9 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
   PrefilterOptions clamped = prefilter(PrefilterMethod::automatic, 16, rough);
   clamped.pixels.clamp = RadianceClamp{100.0F, true};
   clamped.pixels.negative = NegativePolicy::replace;
-  const auto spectral = PrefilterMethod::spectral;
-  const auto reference = PrefilterMethod::reference;
+  const PrefilterOptions spectral_five = prefilter(PrefilterMethod::spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0});
+  const PrefilterOptions spectral_three = prefilter(PrefilterMethod::spectral, 16, {0.25, 0.6, 1.0});
+  const PrefilterOptions reference = prefilter(PrefilterMethod::reference, 4, {0.0, 0.3, 1.0});
   require_as_recorded(
       "prefilter_lat_long",
       {
@@ -132,22 +135,10 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
           {"clamped", [&] { return prefilter_specular(special.view(), clamped); }},
           {"loose_bounds", [&] { return prefilter_specular(sunny.view(), bounded(3e-2, 0.3)); }},
           {"tight_bounds", [&] { return prefilter_specular(smooth.view(), bounded(1e-4, 1e-3)); }},
-          {"spectral_sun",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}));
-           }},
-          {"spectral_texel",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(spectral, 16, {0.25, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(smooth.view(), prefilter(reference, 4, {0.0, 0.3, 1.0}));
-           }},
+          {"spectral_sun", [&] { return prefilter_specular(sunny.view(), spectral_five); }},
+          {"spectral_texel", [&] { return prefilter_specular(texel.view(), spectral_three); }},
+          {"narrow", [&] { return prefilter_specular(texel.view(), narrow()); }},
+          {"reference", [&] { return prefilter_specular(smooth.view(), reference); }},
           {"reference_at_directions",
            [&] {
              return bits_of(reference_specular(texel.view(), 0.3, directions()),
@@ -161,8 +152,8 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
   const TestCubemap odd = make_cubemap(Content::special_values, 21, 4, 57);
   const TestCubemapHalf half = make_cubemap_half(Content::high_range, 16, 4, 58);
   const PrefilterOptions four = prefilter(PrefilterMethod::automatic, 16, {0.0, 0.2, 0.5, 1.0});
-  const auto spectral = PrefilterMethod::spectral;
-  const auto reference = PrefilterMethod::reference;
+  const PrefilterOptions spectral = prefilter(PrefilterMethod::spectral, 8, {0.3, 0.6, 1.0});
+  const PrefilterOptions reference = prefilter(PrefilterMethod::reference, 4, {0.0, 0.2, 0.7});
   require_as_recorded(
       "prefilter_cubemap",
       {
@@ -173,18 +164,9 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
           {"babylon_16", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 16, 5)); }},
           {"odd_11", [&] { return prefilter_specular(odd.view(), scheduled(RoughnessSchedule::linear, 11, 3)); }},
           {"left_out", [&] { return prefiltered_without(half.view(), four, 1, 0); }},
-          {"spectral",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(half.view(), prefilter(reference, 4, {0.0, 0.2, 0.7}));
-           }},
+          {"spectral", [&] { return prefilter_specular(sunny.view(), spectral); }},
+          {"narrow", [&] { return prefilter_specular(sunny.view(), narrow()); }},
+          {"reference", [&] { return prefilter_specular(half.view(), reference); }},
           {"reference_at_directions", [&] { return reference_specular(sunny.view(), 0.2, directions()); }},
       });
 }

@@ -25,6 +25,8 @@ SkyTableOptions folded(int orders) {
   return options;
 }
 
+Atmosphere four_wavelengths() { return earth_bruneton({400.0, 500.0, 600.0, 700.0}); }
+
 /// Not like any planet: a small one, with a layered aerosol that also absorbs and scatters backwards, and a point sun.
 Atmosphere custom_atmosphere() {
   Atmosphere air;
@@ -108,24 +110,24 @@ std::uint64_t bits_of_bake(const SkyPlan& plan) {
 }  // namespace
 
 TEST_CASE("Atmospheres are the same as before", "[same_as_before]") {
-  require_as_recorded("atmosphere",
-                      {
-                          {"presets",
-                           [] {
-                             BitHash hash;
-                             for (const Atmosphere& air :
-                                  {earth_bruneton(), earth_bruneton({400.0, 500.0, 600.0, 700.0}), earth_hillaire(),
-                                   mars(), with_ground_albedo(without_aerosol(mars()), 0.4), custom_atmosphere()}) {
-                               add_bits(hash, cache::hash_options(air));
-                             }
-                             return hash.value();
-                           }},
-                          {"srgb_weights",
-                           [] {
-                             return sky::srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
-                           }},
-                          {"sun_direction", [] { return bits_of(suns(), sun_direction(12.3, 456.7)); }},
-                      });
+  require_as_recorded(
+      "atmosphere",
+      {
+          {"presets",
+           [] {
+             BitHash hash;
+             for (const Atmosphere& air : {earth_bruneton(), four_wavelengths(), earth_hillaire(), mars(),
+                                           with_ground_albedo(without_aerosol(mars()), 0.4), custom_atmosphere()}) {
+               add_bits(hash, cache::hash_options(air));
+             }
+             return hash.value();
+           }},
+          {"srgb_weights",
+           [] {
+             return sky::srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
+           }},
+          {"sun_direction", [] { return bits_of(suns(), sun_direction(12.3, 456.7)); }},
+      });
 }
 
 TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
@@ -139,10 +141,7 @@ TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
           {"earth_4", [] { return precompute_sky(earth_bruneton(), tables_of(4)); }, Repeats::once},
           {"earth_compact", [] { return precompute_sky(earth_bruneton(), tables_of(2, compact)); }},
           {"earth_until", [&] { return precompute_sky(earth_bruneton(), until); }, Repeats::once},
-          {"earth_folded",
-           [] {
-             return precompute_sky(earth_bruneton({400.0, 500.0, 600.0, 700.0}), folded(2));
-           }},
+          {"earth_folded", [] { return precompute_sky(four_wavelengths(), folded(2)); }},
           {"clear", [] { return precompute_sky(earth(), tables_of(2)); }},
           {"dusty",
            [] {
@@ -170,9 +169,11 @@ TEST_CASE("Views of skies and their pictures are the same as before", "[same_as_
   const SkyView compact(tables(earth_bruneton(), tables_of(2, ScatteringLayout::compact)), 0.0);
   const SkyView mars_view(tables(mars(), tables_of(2)), 100.0);
   const SkyView custom(tables(custom_atmosphere(), tables_of(1)), 5000.0);
-  const SkyView colours(tables(earth_bruneton({400.0, 500.0, 600.0, 700.0}), folded(1)), 0.0);
+  const SkyView colours(tables(four_wavelengths(), folded(1)), 0.0);
   const glm::dvec3 noon = sun_direction(50.0, 20.0);
   const glm::dvec3 evening = sun_direction(0.1, 130.0);
+  const PrefilterOptions four_mips{.size = 16, .roughness = {0.0, 0.3, 0.6, 1.0}};
+  const PrefilterOptions two_mips{.size = 8, .roughness = {0.2, 0.7}};
   require_as_recorded(
       "sky_view",
       {
@@ -189,14 +190,8 @@ TEST_CASE("Views of skies and their pictures are the same as before", "[same_as_
           {"cubemap_with_setting_disc", [&] { return sky_cubemap(ground, evening, 32, {.sun_disc = true}); }},
           {"lat_long", [&] { return sky_lat_long(mars_view, evening, 20); }},
           {"lat_long_with_disc", [&] { return sky_lat_long(space, noon, 33, {.sun_disc = true}); }},
-          {"specular",
-           [&] {
-             return sky_specular(ground, noon, {.size = 16, .roughness = {0.0, 0.3, 0.6, 1.0}});
-           }},
-          {"specular_with_disc",
-           [&] {
-             return sky_specular(custom, noon, {.size = 8, .roughness = {0.2, 0.7}}, {.sun_disc = true});
-           }},
+          {"specular", [&] { return sky_specular(ground, noon, four_mips); }},
+          {"specular_with_disc", [&] { return sky_specular(custom, noon, two_mips, {.sun_disc = true}); }},
       });
 }
 
