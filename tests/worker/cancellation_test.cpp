@@ -312,22 +312,6 @@ TEST_CASE("the destructor gives up all jobs and ends all threads", "[worker]") {
   }
 }
 
-TEST_CASE("terminate waits for what runs", "[worker]") {
-  Worker worker(options_with(1));
-  std::atomic<bool> running{false};
-  auto job = worker.post([&](const Control& control) {
-    running = true;
-    run_until_stopped(control);
-    for (int k = 0; k < 1000; ++k) std::this_thread::yield();
-    running = false;
-  });
-  CHECK(eventually([&] { return running.load(); }));
-  worker.terminate();
-  CHECK_FALSE(running);
-  CHECK(job.ready());
-  CHECK(outcome(job) == "stopped");
-}
-
 TEST_CASE("terminate from several threads at once", "[worker]") {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Worker worker(options_with(2));

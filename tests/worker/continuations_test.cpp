@@ -199,22 +199,6 @@ TEST_CASE("callbacks can be drained after terminate", "[worker]") {
   CHECK(worker.load().jobs == 0);
 }
 
-TEST_CASE("callbacks that were not drained are dropped with their worker", "[worker]") {
-  const auto token = std::make_shared<int>(0);
-  bool called = false;
-  {
-    Worker worker(options_with(1));
-    for (int k = 0; k < 3; ++k) {
-      worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
-    }
-    worker.wait_until_idle();
-    Hold hold(worker);
-    worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
-  }
-  CHECK_FALSE(called);
-  CHECK(eventually([&] { return token.use_count() == 1; }));
-}
-
 // Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
 
 TEST_CASE("continuations are chained, and run on the worker's threads", "[worker]") {
@@ -261,19 +245,6 @@ TEST_CASE("a job that is ready can be followed", "[worker]") {
   auto failed = worker.post([](const Control&) { throw std::runtime_error("enough"); });
   CHECK(eventually([&] { return failed.ready(); }));
   CHECK(outcome(std::move(failed).then([] { return 1; })) == "enough");
-}
-
-TEST_CASE("after terminate what follows is stopped", "[worker]") {
-  Worker worker(options_with(1));
-  auto ready = post_value(worker, 2);
-  CHECK(eventually([&] { return ready.ready(); }));
-  worker.terminate();
-  bool called = false;
-  auto follower = std::move(ready).then([&](int) { called = true; });
-  CHECK(follower.ready());
-  CHECK(outcome(follower) == "stopped");
-  CHECK(outcome(post_value(worker, 2).then([&](int) { called = true; })) == "stopped");
-  CHECK_FALSE(called);
 }
 
 TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {

@@ -80,17 +80,6 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   CHECK(newer_probe.get() == 4);
 }
 
-TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
-  Worker worker(options_with(1, {.max_jobs = 2}));
-  Hold hold(worker);
-  auto old = post_value(worker, 1, {.key = "sky"});
-  CHECK(outcome(post_value(worker, 2)) == "queue_full");
-  auto newer = post_value(worker, 3, {.key = "sky"});
-  CHECK(outcome(old) == "replaced");
-  hold.let_go();
-  CHECK(outcome(newer) == "result");
-}
-
 // Which job starts next, and how many a worker holds.
 
 // Promise: the waiting job of the highest priority starts next, and of equals the oldest.
