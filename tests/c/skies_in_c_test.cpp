@@ -91,18 +91,6 @@ TEST_CASE("C: planets are the C++ calls'", "[c_interface]") {
   CHECK(read(air) == earth(wavelengths, AerosolKind::dusty));
 }
 
-TEST_CASE("C: an atmosphere that cannot be is refused", "[c_interface]") {
-  const auto tables = tiny_tables_in_c();
-  CTables none;
-  welkin_atmosphere air = planet(WELKIN_PLANET_EARTH_HILLAIRE);
-  air.night_zenith_luminance = 2.0;
-  CHECK(welkin_sky_tables_create(&air, &tables, nullptr, &none.handle) == WELKIN_INVALID_ARGUMENT);
-  air.night_zenith_luminance = 0.0;
-  air.top_radius_m = 10.0;
-  CHECK(welkin_sky_tables_create(&air, &tables, nullptr, &none.handle) == WELKIN_INVALID_ARGUMENT);
-  CHECK(std::string(welkin_last_error()).find("top_radius_m") != std::string::npos);
-}
-
 TEST_CASE("C: a sky's tables have the C++ call's bits, at once and as a job", "[c_interface]") {
   const CWorker worker(2);
   require_same(small_sky().c_tables.handle, *small_sky().tables);
