@@ -34,23 +34,14 @@ float room_depth(const dvec3& from, const dvec3& direction, const dvec3& low, co
 const dvec3 kLow{0.0, 0.0, 0.0};
 const dvec3 kHigh{4.0, 3.0, 5.0};
 
-/// Depths of all probes at their offsets.
-struct Seen {
-  Seen(const ProbeGrid& grid, const std::vector<dvec3>& offsets, int size = 32) {
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      const dvec3 from = grid.position(k) + (offsets.empty() ? dvec3(0.0) : offsets[k]);
-      distances.emplace_back();
-      Captures::for_each_texel(
-          size, [&](const dvec3& direction) { distances.back().push_back(room_depth(from, direction, kLow, kHigh)); });
-    }
-    for (const std::vector<float>& each : distances) views.push_back(Captures::depth_view(each, size));
-  }
-  Seen(const Seen&) = delete;
-  Seen& operator=(const Seen&) = delete;
-
-  std::vector<std::vector<float>> distances;
-  std::vector<DepthView> views;
-};
+/// What probes at their offsets see of the room, whose walls shine.
+Captures seen_from(const ProbeGrid& grid, const std::vector<dvec3>& offsets) {
+  return {grid.size(), 4, [](std::size_t, const dvec3&) { return dvec3(1.0); }, 32,
+          [&](std::size_t k, const dvec3& direction) {
+            const dvec3 from = grid.position(k) + (offsets.empty() ? dvec3(0.0) : offsets[k]);
+            return room_depth(from, direction, kLow, kHigh);
+          }};
+}
 
 /// To the nearest wall; negative within one.
 double clear_of_walls(const dvec3& at) {
@@ -62,8 +53,8 @@ double clear_of_walls(const dvec3& at) {
 TEST_CASE("relocation: a probe within a wall comes out by the shortest way", "[probes]") {
   // 0.2 m deep in the wall at x = 0, in the middle of it; the next probe stands free.
   const ProbeGrid grid{.counts = {2, 1, 1}, .origin = {-0.2, 1.5, 2.5}, .spacing = {1.5, 1.5, 1.5}};
-  const Seen seen(grid, {});
-  const std::vector<dvec3> offsets = relocate_probes(grid, seen.views);
+  const Captures seen = seen_from(grid, {});
+  const std::vector<dvec3> offsets = relocate_probes(grid, seen.depths);
   REQUIRE(offsets.size() == 2);
   const double clearance = 0.12 * 1.5;
   CHECK(offsets[0].x == Approx(0.2 + clearance).epsilon(0.002));  // the texel nearest to +x is 1.3 degrees off
@@ -72,13 +63,11 @@ TEST_CASE("relocation: a probe within a wall comes out by the shortest way", "[p
   CHECK(offsets[1] == dvec3(0.0));
 
   // Baked where it was moved to it is valid, and where it was it is not.
-  const auto light = [](std::size_t, const dvec3&) { return dvec3(1.0); };
-  const Captures captures(2, 4, light);
-  CHECK(bake_probes(grid, captures.cubes, seen.views).passes == std::vector<std::uint8_t>{1, 0});
-  const Seen moved(grid, offsets);
-  BakedProbes probes = bake_probes(grid, captures.cubes, moved.views);
+  CHECK(seen.bake(grid).passes == std::vector<std::uint8_t>{1, 0});
+  const Captures moved = seen_from(grid, offsets);
+  BakedProbes probes = moved.bake(grid);
   CHECK(probes.passes == std::vector<std::uint8_t>{0, 0});
-  CHECK(relocate_probes(grid, moved.views, {}, offsets)[1] == dvec3(0.0));
+  CHECK(relocate_probes(grid, moved.depths, {}, offsets)[1] == dvec3(0.0));
 
   // The lookup measures from where the probe was captured: it is in front of the wall then, not behind.
   probes.coefficients[0] = dvec3(10.0);
@@ -104,8 +93,7 @@ TEST_CASE("relocation: probes keep clear of walls, and within their share of a c
   const double clearance = options.clearance * 0.95;
   std::vector<dvec3> offsets;
   for (int call = 0; call < 4; ++call) {
-    const Seen seen(grid, offsets);
-    offsets = relocate_probes(grid, seen.views, options, offsets);
+    offsets = relocate_probes(grid, seen_from(grid, offsets).depths, options, offsets);
   }
   for (std::size_t k = 0; k < grid.size(); ++k) {
     INFO("probe " << k);
@@ -117,19 +105,16 @@ TEST_CASE("relocation: probes keep clear of walls, and within their share of a c
 
   // Who has no way out that is short enough stays.
   const ProbeGrid deep{.counts = {1, 1, 1}, .origin = {-0.49, 1.5, 2.5}, .spacing = {1, 1, 1}};
-  const Seen seen(deep, {});
-  CHECK(relocate_probes(deep, seen.views)[0] == dvec3(0.0));
-  CHECK(relocate_probes(deep, seen.views, {.clearance = 0.0, .farthest = 0.5})[0].x == Approx(0.49).epsilon(0.01));
+  const Captures seen = seen_from(deep, {});
+  CHECK(relocate_probes(deep, seen.depths)[0] == dvec3(0.0));
+  CHECK(relocate_probes(deep, seen.depths, {.clearance = 0.0, .farthest = 0.5})[0].x == Approx(0.49).epsilon(0.01));
   // Between two walls closer than twice the clearance: the middle.
-  const std::vector<float> narrow = [] {
-    std::vector<float> depths;
-    Captures::for_each_texel(32, [&](const dvec3& d) {
-      depths.push_back(static_cast<float>(distance_to_walls({0.05, 0, 0}, d, {0, -9, -9}, {0.2, 9, 9})));
-    });
-    return depths;
-  }();
-  const DepthView view = Captures::depth_view(narrow, 32);
-  const dvec3 middle = relocate_probes(deep, {&view, 1}, {.clearance = 0.3})[0];
+  const auto narrow = [](std::size_t, const dvec3& d) {
+    return static_cast<float>(distance_to_walls({0.05, 0, 0}, d, {0, -9, -9}, {0.2, 9, 9}));
+  };
+  const Captures between(
+      1, 1, [](std::size_t, const dvec3&) { return dvec3(0.0); }, 32, narrow);
+  const dvec3 middle = relocate_probes(deep, between.depths, {.clearance = 0.3})[0];
   CHECK(middle.x == Approx(0.05).margin(0.01));
 }
 
