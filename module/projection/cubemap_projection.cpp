@@ -28,15 +28,6 @@ namespace {
 
 constexpr int kFaces = 6;
 
-/// [3][functions]
-std::vector<double> sum_of_tiles(const FaceSums& face) {
-  std::vector<double> sum(3 * face.functions);
-  for (std::size_t tile = 0; tile < face.records.size(); ++tile) {
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += face.tile(tile)[k];
-  }
-  return sum;
-}
-
 std::size_t tiles_of(int size, const ProjectionOptions& options, const TexelWeights& weights) {
   if (StripProjection::serves(size, options)) return static_cast<std::size_t>(StripProjection::tile_count(size));
   return static_cast<std::size_t>(ChunkProjection::tile_count(weights));
@@ -64,9 +55,9 @@ class WorldSums {
   }
 
   void add(std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
-    transforms::face_transform(face, bands_).add(face_sums, weight_rows_, sums_.values(tile));
-    if (error_) error_->add(face, face_sums, off_.values(tile));
-    sums_.record(tile).add(record);
+    transforms::face_transform(face, bands_).add(face_sums, weight_rows_, sums_.tile(tile));
+    if (error_) error_->add(face, face_sums, off_.tile(tile));
+    sums_.records[tile].add(record);
   }
 
   [[nodiscard]] Projection projection() const {
@@ -125,9 +116,7 @@ class CubemapProjection {
       sums.records[tile] = record;
     });
     SanitizeRecord all;
-    for (const int face : faces_) {
-      for (const SanitizeRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
-    }
+    for (const int face : faces_) all.add(kept[static_cast<std::size_t>(face)]->total_record());
     throw_if_rejected(all, true);
     return kept;
   }
@@ -199,7 +188,7 @@ Projection sum_of_faces(const SixFaceSums& faces, int size, const ProjectionOpti
   for (int face = 0; face < kFaces; ++face) {
     const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
     transforms::face_transform(face, options.bands)
-        .add(kept.exact.data(), weights->weight_rows().data(), exact.values(0));
+        .add(kept.exact.data(), weights->weight_rows().data(), exact.tile(0));
   }
   projection.diagnostics.error_estimate =
       relative_error(projection.radiance.coefficients(), exact.total().coefficients());
@@ -248,7 +237,7 @@ SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& optio
       CubemapProjection(cubemap, whole, faces, *whole_weights).run_faces(jobs::part_of(control, 0.7, 1.0));
   for (const int face : faces) {
     const auto at = static_cast<std::size_t>(face);
-    sums[at]->exact = sum_of_tiles(*exact[at]);
+    sums[at]->exact = exact[at]->sum();
     result[at] = sums[at];
   }
   return result;

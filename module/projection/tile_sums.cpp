@@ -6,21 +6,26 @@
 
 namespace welkin::projection {
 
-SphericalHarmonics TileSums::total() const {
-  std::vector<double> sums(3 * functions_);
-  for (std::size_t at = 0; at < values_.size(); at += sums.size()) {
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += values_[at + k];
+std::vector<double> TileSums::sum() const {
+  std::vector<double> sums(3 * functions);
+  for (std::size_t at = 0; at < values.size(); at += sums.size()) {
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += values[at + k];
   }
-  SphericalHarmonics result(static_cast<int>(std::lround(std::sqrt(static_cast<double>(functions_)))));
-  for (std::size_t f = 0; f < functions_; ++f) {
-    result.coefficients()[f] = {sums[f], sums[functions_ + f], sums[2 * functions_ + f]};
+  return sums;
+}
+
+SphericalHarmonics TileSums::total() const {
+  const std::vector<double> sums = sum();
+  SphericalHarmonics result(static_cast<int>(std::lround(std::sqrt(static_cast<double>(functions)))));
+  for (std::size_t f = 0; f < functions; ++f) {
+    result.coefficients()[f] = {sums[f], sums[functions + f], sums[2 * functions + f]};
   }
   return result;
 }
 
 SanitizeRecord TileSums::total_record() const {
   SanitizeRecord total;
-  for (const SanitizeRecord& record : records_) total.add(record);
+  for (const SanitizeRecord& record : records) total.add(record);
   return total;
 }
 
