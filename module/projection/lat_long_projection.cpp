@@ -533,12 +533,14 @@ void LatLongProjector::project_block(int block, const LatLongView& rows, std::si
 Projection LatLongProjector::finish() {
   const SanitizeRecord record = state_->sums.total_record();
   throw_if_rejected(record, false);
-  Projection projection{state_->sums.total(), {}};
-  projection.diagnostics = diagnostics_of(projection.radiance.coefficients(), record, 1.0);
+  Projection projection{SphericalHarmonics(state_->options.bands), {}};
+  const std::span<glm::dvec3> radiance = projection.radiance.coefficients();
+  state_->sums.total(radiance);
+  projection.diagnostics = diagnostics_of(radiance, record, 1.0);
   projection.diagnostics.texels =
       static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
-  const std::span<const glm::dvec3> radiance = projection.radiance.coefficients();
-  const SphericalHarmonics exact = state_->errs() ? state_->exact_sums.total() : projection.radiance;
+  SphericalHarmonics exact = projection.radiance;
+  if (state_->errs()) state_->exact_sums.total(exact.coefficients());
   projection.diagnostics.error_estimate = relative_error(radiance, exact.coefficients());
   return projection;
 }

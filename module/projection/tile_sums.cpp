@@ -14,13 +14,13 @@ std::vector<double> TileSums::sum() const {
   return sums;
 }
 
-SphericalHarmonics TileSums::total() const {
-  const std::vector<double> sums = sum();
-  SphericalHarmonics result(static_cast<int>(std::lround(std::sqrt(static_cast<double>(functions)))));
+void TileSums::total(std::span<glm::dvec3> coefficients) const noexcept {
   for (std::size_t f = 0; f < functions; ++f) {
-    result.coefficients()[f] = {sums[f], sums[functions + f], sums[2 * functions + f]};
+    glm::dvec3 sum(0.0);
+    for (std::size_t at = f; at < values.size(); at += 3 * functions)
+      sum += glm::dvec3(values[at], values[at + functions], values[at + 2 * functions]);
+    coefficients[f] = sum;
   }
-  return result;
 }
 
 SanitizeRecord TileSums::total_record() const {

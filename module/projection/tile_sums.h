@@ -9,7 +9,6 @@
 #include "projection/projection_kernels.h"
 #include "projection/sanitizer.h"
 #include "welkin/projection.h"
-#include "welkin/spherical_harmonics.h"
 
 namespace welkin::projection {
 
@@ -25,8 +24,8 @@ struct TileSums {
   [[nodiscard]] const double* tile(std::size_t index) const noexcept { return values.data() + index * 3 * functions; }
 
   [[nodiscard]] std::vector<double> sum() const;  ///< [3][functions]
-  /// The sum as coefficients, where slots are in canonical order.
-  [[nodiscard]] SphericalHarmonics total() const;
+  /// The sum as coefficients, where slots are in canonical order; allocates nothing.
+  void total(std::span<glm::dvec3> coefficients) const noexcept;
   [[nodiscard]] SanitizeRecord total_record() const;
 
   std::size_t functions;
