@@ -34,7 +34,7 @@ SphericalHarmonics rotate_by(const glm::dmat3& map, const SphericalHarmonics& ha
   result.at(1, 1) = row(0);
   result.at(1, -1) = row(1);
   result.at(1, 0) = row(2);
-  harmonics::turn_bands(map, result);
+  harmonics::rotate_bands(map, result);
   return result;
 }
 
@@ -258,7 +258,7 @@ void set_multiples(const glm::dvec2& rotation, int bands, Multiples& multiples) 
 // The third column of Rz(alpha) Ry(beta) Rz(gamma) is (cos alpha sin beta, sin alpha sin beta, cos beta); the second
 // row of Rz(-alpha) times it is (sin gamma, cos gamma, 0). Near the poles alpha is off, and gamma by as much in the
 // other direction, so that the product is not.
-void turn_bands(const glm::dmat3& map, SphericalHarmonics& harmonics) {
+void rotate_bands(const glm::dmat3& map, SphericalHarmonics& harmonics) {
   const int bands = harmonics.bands();
   if (bands < 3) return;
   const bool mirrored = glm::determinant(map) < 0.0;

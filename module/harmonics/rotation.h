@@ -47,11 +47,11 @@ class BandRotation {
   Matrix matrices_[2];   ///< of this band and the one before, in turn
 };
 
-/// Turns bands 2 and up in place by an orthogonal map: about z, y and z, after an inversion if it is a mirror.
+/// Rotates bands 2 and up in place by an orthogonal map: about z, y and z, after an inversion if it is a mirror.
 ///
 /// A turn about z takes four products per pair of coefficients. One about y is one about z between two swaps of y and
 /// z, which are one fixed, sparse matrix per band (D. Pinchon and P. E. Hoggan, "Rotation matrices for real spherical
 /// harmonics: general rotations of atomic orbitals in space-fixed axes", J. Phys. A 40, 2007, 1597-1610).
-void turn_bands(const glm::dmat3& map, SphericalHarmonics& harmonics);
+void rotate_bands(const glm::dmat3& map, SphericalHarmonics& harmonics);
 
 }  // namespace welkin::harmonics
