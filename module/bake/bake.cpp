@@ -24,7 +24,6 @@
 #include "platform/standard_library.h"
 #include "projection/sanitized_pixels.h"
 #include "reflections/brdf_table.h"
-#include "reflections/irradiance.h"
 #include "reflections/prefilter.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"

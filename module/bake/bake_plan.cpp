@@ -18,7 +18,6 @@
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
-#include "reflections/irradiance.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_plan.h"
 #include "transform/row_reduction.h"

@@ -18,7 +18,6 @@
 #include "projection/lat_long_projection.h"
 #include "projection/projection_error.h"
 #include "projection/sanitizer.h"
-#include "projection/target_size.h"
 
 namespace welkin {
 namespace files {

@@ -2,10 +2,12 @@
 #include "harmonics/rotation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -32,7 +34,7 @@ SphericalHarmonics rotate_by(const glm::dmat3& map, const SphericalHarmonics& ha
   result.at(1, 1) = row(0);
   result.at(1, -1) = row(1);
   result.at(1, 0) = row(2);
-  if (harmonics.bands() > 2) harmonics::ThreeRotations(map, harmonics.bands()).apply(result);
+  harmonics::rotate_bands(map, result);
   return result;
 }
 
@@ -238,28 +240,12 @@ void rotate_about_z(int l, const glm::dvec2* turns, glm::dvec3* middle) {
   }
 }
 
-}  // namespace
+/// Cosine and sine of a turn's multiples.
+using Multiples = std::array<glm::dvec2, kMaximumBands>;
 
-// The third column of Rz(alpha) Ry(beta) Rz(gamma) is (cos alpha sin beta, sin alpha sin beta, cos beta); the second
-// row of Rz(-alpha) times it is (sin gamma, cos gamma, 0). Near the poles alpha is off, and gamma by as much in the
-// other direction, so that the product is not.
-ThreeRotations::ThreeRotations(const glm::dmat3& map, int bands)
-    : mirrored_(glm::determinant(map) < 0.0), bands_(bands) {
-  const double sign = mirrored_ ? -1.0 : 1.0;
-  constexpr double least = 1e-20;
-  // `row(k)` is (-sin alpha, cos alpha, 0) . column k, the second row of Rz(-alpha) M: (sin gamma, cos gamma, 0).
-  const glm::dvec3 pole = sign * map[2];
-  const double sine = std::sqrt(pole.x * pole.x + pole.y * pole.y);
-  const glm::dvec2 alpha = sine > least ? glm::dvec2(pole.x / sine, pole.y / sine) : glm::dvec2(1.0, 0.0);
-  const auto row = [&](int column) { return sign * (alpha.x * map[column].y - alpha.y * map[column].x); };
-  set_multiples({row(1), row(0)}, turns_[0]);
-  set_multiples({pole.z, sine > least ? -sine : 0.0}, turns_[1]);  // y and z are swapped: the other way round
-  set_multiples(alpha, turns_[2]);
-}
-
-void ThreeRotations::set_multiples(const glm::dvec2& rotation, Multiples& multiples) const {
+void set_multiples(const glm::dvec2& rotation, int bands, Multiples& multiples) {
   multiples[0] = {1.0, 0.0};
-  for (int m = 1; m < bands_; ++m) {
+  for (int m = 1; m < bands; ++m) {
     // e^(i m a) = e^(i (m - 1) a) e^(i a).
     const glm::dvec2 before = multiples[static_cast<std::size_t>(m - 1)];
     multiples[static_cast<std::size_t>(m)] = {before.x * rotation.x - before.y * rotation.y,
@@ -267,19 +253,38 @@ void ThreeRotations::set_multiples(const glm::dvec2& rotation, Multiples& multip
   }
 }
 
-void ThreeRotations::apply(SphericalHarmonics& harmonics) const {
-  const Swap& swap = Swap::of_bands(bands_);
+}  // namespace
+
+// The third column of Rz(alpha) Ry(beta) Rz(gamma) is (cos alpha sin beta, sin alpha sin beta, cos beta); the second
+// row of Rz(-alpha) times it is (sin gamma, cos gamma, 0). Near the poles alpha is off, and gamma by as much in the
+// other direction, so that the product is not.
+void rotate_bands(const glm::dmat3& map, SphericalHarmonics& harmonics) {
+  const int bands = harmonics.bands();
+  if (bands < 3) return;
+  const bool mirrored = glm::determinant(map) < 0.0;
+  const double sign = mirrored ? -1.0 : 1.0;
+  constexpr double least = 1e-20;
+  // `row(k)` is (-sin alpha, cos alpha, 0) . column k, the second row of Rz(-alpha) M: (sin gamma, cos gamma, 0).
+  const glm::dvec3 pole = sign * map[2];
+  const double sine = std::sqrt(pole.x * pole.x + pole.y * pole.y);
+  const glm::dvec2 alpha = sine > least ? glm::dvec2(pole.x / sine, pole.y / sine) : glm::dvec2(1.0, 0.0);
+  const auto row = [&](int column) { return sign * (alpha.x * map[column].y - alpha.y * map[column].x); };
+  Multiples turns[3];
+  set_multiples({row(1), row(0)}, bands, turns[0]);
+  set_multiples({pole.z, sine > least ? -sine : 0.0}, bands, turns[1]);  // y and z are swapped: the other way round
+  set_multiples(alpha, bands, turns[2]);
+  const Swap& swap = Swap::of_bands(bands);
   glm::dvec3 swapped[2 * kMaximumBands - 1];
-  for (int l = 2; l < bands_; ++l) {
+  for (int l = 2; l < bands; ++l) {
     glm::dvec3* const middle = &harmonics.at(l, 0);
     glm::dvec3* const mirror = swapped + l;
-    rotate_about_z(l, turns_[0].data(), middle);
+    rotate_about_z(l, turns[0].data(), middle);
     swap.apply(l, middle, mirror);
-    rotate_about_z(l, turns_[1].data(), mirror);
+    rotate_about_z(l, turns[1].data(), mirror);
     swap.apply(l, mirror, middle);
-    rotate_about_z(l, turns_[2].data(), middle);
+    rotate_about_z(l, turns[2].data(), middle);
     // An inversion d -> -d multiplies band l by (-1)^l; a mirror is a rotation after it.
-    if (!mirrored_ || l % 2 == 0) continue;
+    if (!mirrored || l % 2 == 0) continue;
     for (int m = -l; m <= l; ++m) middle[m] = -middle[m];
   }
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
-#include <glm/vec2.hpp>
 
 #include "welkin/spherical_harmonics.h"
 
@@ -48,28 +47,11 @@ class BandRotation {
   Matrix matrices_[2];   ///< of this band and the one before, in turn
 };
 
-/// An orthogonal map as turns about z, y and z, after an inversion if it is a mirror.
+/// Rotates bands 2 and up in place by an orthogonal map: about z, y and z, after an inversion if it is a mirror.
 ///
 /// A turn about z takes four products per pair of coefficients. One about y is one about z between two swaps of y and
 /// z, which are one fixed, sparse matrix per band (D. Pinchon and P. E. Hoggan, "Rotation matrices for real spherical
 /// harmonics: general rotations of atomic orbitals in space-fixed axes", J. Phys. A 40, 2007, 1597-1610).
-class ThreeRotations {
- public:
-  /// `map` must be orthogonal; bands >= 3.
-  ThreeRotations(const glm::dmat3& map, int bands);
-
-  /// Turns bands 2 to bands - 1 in place.
-  void apply(SphericalHarmonics& harmonics) const;
-
- private:
-  /// Cosine and sine of a turn's multiples.
-  using Multiples = std::array<glm::dvec2, kMaximumBands>;
-
-  void set_multiples(const glm::dvec2& rotation, Multiples& multiples) const;
-
-  bool mirrored_;
-  int bands_;
-  Multiples turns_[3];
-};
+void rotate_bands(const glm::dmat3& map, SphericalHarmonics& harmonics);
 
 }  // namespace welkin::harmonics

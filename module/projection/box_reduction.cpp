@@ -84,14 +84,9 @@ void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, 
 
 }  // namespace
 
-ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
-                             const Control& control) {
-  const auto face_floats = static_cast<std::size_t>(target) * static_cast<std::size_t>(target) * 3;
-  ReducedCubemap reduced{{}, std::vector<float>(6 * face_floats)};
-  reduced.view.size = target;
-  reduced.view.format = PixelFormat::rgb32f;
-  for (std::size_t face = 0; face < 6; ++face) reduced.view.faces[face] = reduced.pixels.data() + face * face_floats;
-
+Cubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
+                      const Control& control) {
+  Cubemap reduced(target);
   const std::int64_t texels = std::int64_t{6} * cubemap.size * cubemap.size;
   const jobs::Placement placement = jobs::placement_for(texels);
   const auto row_floats = static_cast<std::size_t>(3 * cubemap.size);
@@ -106,7 +101,7 @@ ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const Proje
     const int face = static_cast<int>(tile) / target;
     const int row = static_cast<int>(tile) % target;
     reduce_row(cubemap, target, face, row, strict, scratch[worker], records[tile],
-               reduced.pixels.data() + tile * cell_floats);
+               reduced.face(0) + tile * cell_floats);
   });
   SanitizeRecord total;
   for (const SanitizeRecord& record : records) total.add(record);

@@ -1,19 +1,11 @@
 // Babylon.js's downsampling: a plain box over a cubemap's raw values.
 #pragma once
 
-#include <vector>
-
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
 
 namespace welkin::projection {
-
-/// A cubemap that owns its pixels.
-struct ReducedCubemap {
-  CubemapView view;
-  std::vector<float> pixels;
-};
 
 /// Averages each face to target x target (below the cubemap's size) as CubeMapToSphericalPolynomialTools does:
 /// cell (i, j) covers source columns floor(i r) to floor((i + 1) r) - 1, r = size / target, likewise rows;
@@ -22,7 +14,7 @@ struct ReducedCubemap {
 /// whole a cell may hold more than r^2 texels) before they are linearised.
 /// NaN and infinities spread over their cell. Throws `Error`: cancelled, and rejected_pixel for a source texel
 /// that a policy of `options` rejects; nothing else of the options matters here.
-[[nodiscard]] ReducedCubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
-                                           const Control& control);
+[[nodiscard]] Cubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
+                                    const Control& control);
 
 }  // namespace welkin::projection

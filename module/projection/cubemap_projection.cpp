@@ -15,12 +15,9 @@
 #include "jobs/stopwatch.h"
 #include "jobs/tiles.h"
 #include "projection/chunk_projection.h"
-#include "projection/midpoint_error.h"
 #include "projection/projection_error.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
-#include "projection/texel_weights.h"
-#include "projection/tile_sums.h"
 #include "transform/frame_transform.h"
 
 namespace welkin::projection {
@@ -28,66 +25,70 @@ namespace {
 
 constexpr int kFaces = 6;
 
-/// [3][functions]
-std::vector<double> sum_of_tiles(const FaceSums& face) {
-  std::vector<double> sum(3 * face.functions);
-  for (std::size_t tile = 0; tile < face.records.size(); ++tile) {
-    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += face.tile(tile)[k];
-  }
-  return sum;
-}
-
 std::size_t tiles_of(int size, const ProjectionOptions& options, const TexelWeights& weights) {
   if (StripProjection::serves(size, options)) return static_cast<std::size_t>(StripProjection::tile_count(size));
   return static_cast<std::size_t>(ChunkProjection::tile_count(weights));
 }
 
-/// The error of the midpoint rule; null for the exact rule, and where an average's error is known by other means.
-std::shared_ptr<const MidpointError> midpoint_error_of(int size, const ProjectionOptions& options,
-                                                       const TexelWeights& weights) {
-  if (options.quadrature != Quadrature::midpoint || options.target_size) return nullptr;
-  return MidpointError::get(size, options.bands, weights);
+/// The error estimate of a projection by the midpoint rule. `off`: what `MidpointError::add` returned.
+double midpoint_estimate(std::span<const glm::dvec3> radiance, const TileSums& off, const MidpointError& error) {
+  std::array<glm::dvec3, std::size_t{kMaximumBands} * kMaximumBands> exact;
+  off.total(exact);
+  for (std::size_t f = 0; f < radiance.size(); ++f) exact[f] = radiance[f] - exact[f];
+  // c(0, 0) = Int L Y(0, 0) = flux / sqrt(4 pi) in each channel. `beyond` bounds what the error of a texel leaves, per
+  // unit of its light (L w), as a norm over all functions, so its product with the flux bounds the coefficients' error.
+  // That holds for light that is nowhere negative.
+  const double flux = std::sqrt(4.0 * std::numbers::pi * glm::dot(radiance[0], radiance[0]));
+  return relative_error(radiance, {exact.data(), radiance.size()}, error.beyond() * flux);
 }
 
-/// The sums of tiles on their way to a projection: turned from the faces' frames to the world's.
-class WorldSums {
- public:
-  WorldSums(std::size_t tiles, int size, const ProjectionOptions& options, const TexelWeights& weights)
-      : size_(size),
-        bands_(options.bands),
-        weight_rows_(weights.weight_rows().data()),
-        error_(midpoint_error_of(size, options, weights)),
-        sums_(tiles, bands_),
-        off_(error_ ? tiles : 0, bands_) {
-    // Shared tables are built here, not inside a tile.
-    for (int face = 0; face < kFaces; ++face) static_cast<void>(transforms::face_transform(face, bands_));
-  }
+}  // namespace
 
-  void add(std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
-    transforms::face_transform(face, bands_).add(face_sums, weight_rows_, sums_.values(tile));
-    if (error_) error_->add(face, face_sums, off_.values(tile));
-    sums_.record(tile).add(record);
-  }
+CubemapTables::CubemapTables(int its_size, const ProjectionOptions& options)
+    : size(its_size), bands(options.bands), weights(TexelWeights::get(weights_key(size, options))) {
+  if (options.quadrature == Quadrature::midpoint && !options.target_size)
+    error = MidpointError::get(size, bands, *weights);
+  // Shared tables are built here, not inside a tile.
+  for (const int face : kAllFaces) static_cast<void>(transforms::face_transform(face, bands));
+}
 
-  [[nodiscard]] Projection projection() const {
-    const SanitizeRecord record = sums_.total_record();
-    throw_if_rejected(record, true);
-    Projection projection{sums_.total(), {}};
-    const std::span<const glm::dvec3> radiance = projection.radiance.coefficients();
-    projection.diagnostics = cubemap_diagnostics(size_, radiance, record);
-    projection.diagnostics.error_estimate =
-        error_ ? midpoint_estimate(radiance, off_.total().coefficients(), *error_) : relative_error(radiance, radiance);
-    return projection;
-  }
+WorldSums::WorldSums(std::size_t tiles, const ProjectionOptions& options)
+    : sums_(tiles, options.bands),
+      off_(options.quadrature == Quadrature::midpoint && !options.target_size ? tiles : 0, options.bands) {}
 
- private:
-  int size_;
-  int bands_;
-  const int* weight_rows_;
-  std::shared_ptr<const MidpointError> error_;
-  TileSums sums_;
-  TileSums off_;  ///< by the midpoint rule
-};
+void WorldSums::clear() noexcept {
+  std::fill(sums_.values.begin(), sums_.values.end(), 0.0);
+  std::fill(off_.values.begin(), off_.values.end(), 0.0);
+  std::fill(sums_.records.begin(), sums_.records.end(), SanitizeRecord{});
+}
+
+void WorldSums::add(const CubemapTables& tables, std::size_t tile, int face, const double* face_sums,
+                    const SanitizeRecord& record) noexcept {
+  transforms::face_transform(face, tables.bands).add(face_sums, tables.weights->weight_rows().data(), sums_.tile(tile));
+  if (tables.error) tables.error->add(face, face_sums, off_.tile(tile));
+  sums_.records[tile].add(record);
+}
+
+ProjectionDiagnostics WorldSums::finish(const CubemapTables& tables, std::span<glm::dvec3> radiance) const {
+  sums_.total(radiance);
+  const SanitizeRecord record = sums_.total_record();
+  throw_if_rejected(record, true);
+  // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
+  ProjectionDiagnostics diagnostics = diagnostics_of(radiance, record, 2.0 * std::sqrt(std::numbers::pi));
+  const auto edge = static_cast<std::uint64_t>(tables.size);
+  diagnostics.texels = std::uint64_t{kFaces} * edge * edge;
+  diagnostics.error_estimate =
+      tables.error ? midpoint_estimate(radiance, off_, *tables.error) : relative_error(radiance, radiance);
+  return diagnostics;
+}
+
+namespace {
+
+Projection projection_of(const WorldSums& sums, const CubemapTables& tables) {
+  Projection projection{SphericalHarmonics(tables.bands), {}};
+  projection.diagnostics = sums.finish(tables, projection.radiance.coefficients());
+  return projection;
+}
 
 using NewFaceSums = std::array<std::shared_ptr<FaceSums>, kFaces>;
 
@@ -95,23 +96,23 @@ using NewFaceSums = std::array<std::shared_ptr<FaceSums>, kFaces>;
 /// to the world's, or are kept as they are.
 class CubemapProjection {
  public:
-  /// `weights` are those of the cubemap's size and must stay.
+  /// `tables` are those of the cubemap's size and must stay.
   CubemapProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
-                    const TexelWeights& weights)
+                    const CubemapTables& tables)
       : cubemap_(cubemap),
         options_(options),
         faces_(faces),
         sanitizer_(options.pixels),
         bands_(options.bands),
-        weights_(weights),
-        tile_count_(tiles_of(cubemap.size, options, weights)) {}
+        tables_(tables),
+        tile_count_(tiles_of(cubemap.size, options, *tables.weights)) {}
 
   Projection run(const Control& control) {
-    WorldSums sums(tile_count_, cubemap_.size, options_, weights_);
+    WorldSums sums(tile_count_, options_);
     run_tiles(control, [&](std::size_t tile, int face, const double* face_sums, const SanitizeRecord& record) {
-      sums.add(tile, face, face_sums, record);
+      sums.add(tables_, tile, face, face_sums, record);
     });
-    return sums.projection();
+    return projection_of(sums, tables_);
   }
 
   NewFaceSums run_faces(const Control& control) {
@@ -125,9 +126,7 @@ class CubemapProjection {
       sums.records[tile] = record;
     });
     SanitizeRecord all;
-    for (const int face : faces_) {
-      for (const SanitizeRecord& record : kept[static_cast<std::size_t>(face)]->records) all.add(record);
-    }
+    for (const int face : faces_) all.add(kept[static_cast<std::size_t>(face)]->total_record());
     throw_if_rejected(all, true);
     return kept;
   }
@@ -137,9 +136,9 @@ class CubemapProjection {
   template <class Keep>
   void run_tiles(const Control& control, const Keep& keep) {
     if (StripProjection::serves(cubemap_.size, options_)) {
-      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, weights_), control, keep);
+      run_parts(StripProjection(cubemap_, options_, faces_, sanitizer_, *tables_.weights), control, keep);
     } else {
-      run_parts(ChunkProjection(cubemap_, options_, faces_, sanitizer_, weights_), control, keep);
+      run_parts(ChunkProjection(cubemap_, options_, faces_, sanitizer_, *tables_.weights), control, keep);
     }
   }
 
@@ -167,7 +166,7 @@ class CubemapProjection {
   std::span<const int> faces_;
   Sanitizer sanitizer_;
   int bands_;
-  const TexelWeights& weights_;
+  const CubemapTables& tables_;
   std::size_t tile_count_;
 };
 
@@ -185,45 +184,37 @@ std::vector<PassRecord> passes_of(int size, const ProjectionOptions& options) {
 
 /// The sums of all six faces, or of those that a projection keeps, without passes.
 Projection sum_of_faces(const SixFaceSums& faces, int size, const ProjectionOptions& options) {
-  const std::shared_ptr<const TexelWeights> weights = TexelWeights::get(weights_key(size, options));
-  WorldSums sums(faces.front()->records.size(), size, options, *weights);
-  TileSums exact(1, options.bands);
-  for (std::size_t tile = 0; tile < faces.front()->records.size(); ++tile) {
+  const CubemapTables tables(size, options);
+  const std::size_t tiles = faces.front()->records.size();
+  WorldSums sums(tiles, options);
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
     for (int face = 0; face < kFaces; ++face) {
       const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
-      sums.add(tile, face, kept.tile(tile), kept.records[tile]);
+      sums.add(tables, tile, face, kept.tile(tile), kept.records[tile]);
     }
   }
-  Projection projection = sums.projection();
+  Projection projection = projection_of(sums, tables);
   if (!options.target_size) return projection;
+  TileSums exact(1, options.bands);
   for (int face = 0; face < kFaces; ++face) {
     const FaceSums& kept = *faces[static_cast<std::size_t>(face)];
     transforms::face_transform(face, options.bands)
-        .add(kept.exact.data(), weights->weight_rows().data(), exact.values(0));
+        .add(kept.exact.data(), tables.weights->weight_rows().data(), exact.tile(0));
   }
-  projection.diagnostics.error_estimate =
-      relative_error(projection.radiance.coefficients(), exact.total().coefficients());
+  SphericalHarmonics of_areas(options.bands);
+  exact.total(of_areas.coefficients());
+  projection.diagnostics.error_estimate = relative_error(projection.radiance.coefficients(), of_areas.coefficients());
   return projection;
 }
 
 }  // namespace
-
-ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
-                                          const SanitizeRecord& record) {
-  // Weight 0 is the solid angle times Y(0,0) = 1 / sqrt(4 pi).
-  ProjectionDiagnostics diagnostics = diagnostics_of(radiance, record, 2.0 * std::sqrt(std::numbers::pi));
-  diagnostics.texels =
-      static_cast<std::uint64_t>(kFaces) * static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size);
-  return diagnostics;
-}
 
 Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& options, const Control& control) {
   const jobs::Stopwatch watch;
   Projection projection =
       options.target_size
           ? sum_of_faces(sum_faces(cubemap, options, kAllFaces, control), cubemap.size, options)
-          : CubemapProjection(cubemap, options, kAllFaces, *TexelWeights::get(weights_key(cubemap.size, options)))
-                .run(control);
+          : CubemapProjection(cubemap, options, kAllFaces, CubemapTables(cubemap.size, options)).run(control);
   projection.diagnostics.passes = passes_of(cubemap.size, options);
   projection.diagnostics.passes.back().milliseconds = watch.milliseconds();
   return projection;
@@ -231,8 +222,8 @@ Projection project_cubemap(const CubemapView& cubemap, const ProjectionOptions& 
 
 SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                       const Control& control) {
-  const auto weights = TexelWeights::get(weights_key(cubemap.size, options));
-  CubemapProjection projection(cubemap, options, faces, *weights);
+  const CubemapTables tables(cubemap.size, options);
+  CubemapProjection projection(cubemap, options, faces, tables);
   SixFaceSums result;
   if (!options.target_size) {
     const NewFaceSums sums = projection.run_faces(control);
@@ -243,12 +234,12 @@ SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& optio
   const NewFaceSums sums = projection.run_faces(jobs::part_of(control, 0.0, 0.7));
   ProjectionOptions whole = options;
   whole.target_size.reset();
-  const auto whole_weights = TexelWeights::get(weights_key(cubemap.size, whole));
+  const CubemapTables whole_tables(cubemap.size, whole);
   const NewFaceSums exact =
-      CubemapProjection(cubemap, whole, faces, *whole_weights).run_faces(jobs::part_of(control, 0.7, 1.0));
+      CubemapProjection(cubemap, whole, faces, whole_tables).run_faces(jobs::part_of(control, 0.7, 1.0));
   for (const int face : faces) {
     const auto at = static_cast<std::size_t>(face);
-    sums[at]->exact = sum_of_tiles(*exact[at]);
+    sums[at]->exact = exact[at]->sum();
     result[at] = sums[at];
   }
   return result;
@@ -262,17 +253,6 @@ Projection total_of_faces(const SixFaceSums& faces, int size, const ProjectionOp
   Projection projection = sum_of_faces(faces, size, options);
   projection.diagnostics.passes = passes_of(size, options);
   return projection;
-}
-
-double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> off,
-                         const MidpointError& error) {
-  std::array<glm::dvec3, std::size_t{kMaximumBands} * kMaximumBands> exact;
-  for (std::size_t f = 0; f < radiance.size(); ++f) exact[f] = radiance[f] - off[f];
-  // c(0, 0) = Int L Y(0, 0) = flux / sqrt(4 pi) in each channel. `beyond` bounds what the error of a texel leaves, per
-  // unit of its light (L w), as a norm over all functions, so its product with the flux bounds the coefficients' error.
-  // That holds for light that is nowhere negative.
-  const double flux = std::sqrt(4.0 * std::numbers::pi * glm::dot(radiance[0], radiance[0]));
-  return relative_error(radiance, {exact.data(), radiance.size()}, error.beyond() * flux);
 }
 
 }  // namespace welkin::projection

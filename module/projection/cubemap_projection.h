@@ -8,6 +8,7 @@
 #include <span>
 
 #include "projection/midpoint_error.h"
+#include "projection/texel_weights.h"
 #include "projection/tile_sums.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -33,12 +34,35 @@ using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 /// How many tiles' sums a face of that size has.
 [[nodiscard]] std::size_t tiles_of_face(int size, const ProjectionOptions& options);
 
-/// The diagnostics of six faces of `size`, but for the passes and the error estimate.
-[[nodiscard]] ProjectionDiagnostics cubemap_diagnostics(int size, std::span<const glm::dvec3> radiance,
-                                                        const SanitizeRecord& record);
+/// What projections of all cubemaps of one size share.
+struct CubemapTables {
+  /// From caches.
+  CubemapTables(int size, const ProjectionOptions& options);
 
-/// The error estimate of a projection by the midpoint rule. `off`: what `MidpointError::add` returned.
-[[nodiscard]] double midpoint_estimate(std::span<const glm::dvec3> radiance, std::span<const glm::dvec3> off,
-                                       const MidpointError& error);
+  int size;
+  int bands;
+  std::shared_ptr<const TexelWeights> weights;
+  /// Of the midpoint rule; null for the exact rule, and where an average's error is known by other means.
+  std::shared_ptr<const MidpointError> error;
+};
+
+/// The sums of tiles on their way to a projection: turned from the faces' frames to the world's. Only its constructor
+/// allocates.
+class WorldSums {
+ public:
+  /// Of cubemaps with so many tiles or fewer.
+  WorldSums(std::size_t tiles, const ProjectionOptions& options);
+
+  void clear() noexcept;
+  /// Different tiles may be added at the same time.
+  void add(const CubemapTables& tables, std::size_t tile, int face, const double* face_sums,
+           const SanitizeRecord& record) noexcept;
+  /// Writes bands^2 coefficients. Returns their diagnostics but for the passes. Throws `Error` (rejected_pixel).
+  ProjectionDiagnostics finish(const CubemapTables& tables, std::span<glm::dvec3> radiance) const;
+
+ private:
+  TileSums sums_;
+  TileSums off_;  ///< by the midpoint rule
+};
 
 }  // namespace welkin::projection

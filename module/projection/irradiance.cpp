@@ -209,26 +209,21 @@ Cubemap irradiance_cubemap(const SphericalHarmonics& irradiance, int size, const
   const int tile_rows = static_cast<int>(std::clamp(kTileProducts / row_products, 1.0, 1.0 * rows));
   const bool small = row_products * rows < kInlineProducts;
   const auto placement = small ? jobs::Placement::calling_thread : jobs::Placement::arena;
-  jobs::run_tiles(static_cast<std::size_t>((rows + tile_rows - 1) / tile_rows), placement,
-                  jobs::worker_count(placement), control, [&](std::size_t tile, std::size_t) {
-                    const int first = static_cast<int>(tile) * tile_rows;
-                    for (int row = first; row < std::min(rows, first + tile_rows); ++row) {
-                      const image::Frame& frame = image::face_frame(row / size);
-                      const double v = centres[static_cast<std::size_t>(row % size)];
-                      projection::DirectionRun run{};
-                      for (int axis = 0; axis < 3; ++axis) {
-                        // Points of a face's row, not of unit length: start + u step = normal + v v' + u u' with the
-                        // frame's axes u' and v'. The kernel normalizes.
-                        run.start[axis] = frame.normal[axis] + v * frame.v[axis];
-                        run.step[axis] = frame.u[axis];
-                      }
-                      run.u = centres.data();
-                      run.count = size;
-                      kernels.evaluate_harmonics(run, math::basis_constants(), channels.data(), bands,
-                                                 result.face(0) + std::size_t{3} * static_cast<std::size_t>(row) *
-                                                                      static_cast<std::size_t>(size));
-                    }
-                  });
+  jobs::run_rows(rows, tile_rows, placement, jobs::worker_count(placement), control, [&](int row, std::size_t) {
+    const image::Frame& frame = image::face_frame(row / size);
+    const double v = centres[static_cast<std::size_t>(row % size)];
+    projection::DirectionRun run{};
+    for (int axis = 0; axis < 3; ++axis) {
+      // Points of a face's row, not of unit length: start + u step = normal + v v' + u u' with the frame's axes u' and
+      // v'. The kernel normalizes.
+      run.start[axis] = frame.normal[axis] + v * frame.v[axis];
+      run.step[axis] = frame.u[axis];
+    }
+    run.u = centres.data();
+    run.count = size;
+    kernels.evaluate_harmonics(run, math::basis_constants(), channels.data(), bands,
+                               result.face(0) + std::ptrdiff_t{3} * row * size);
+  });
   if (may_overflow(channels)) {
     constexpr auto most = static_cast<float>(kMaxIrradiance);
     for (float& value : result.pixels()) value = std::clamp(value, -most, most);

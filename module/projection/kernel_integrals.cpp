@@ -16,15 +16,9 @@ constexpr std::size_t kMaxTiles = 1024;
 
 /// One worker's scratch.
 struct Scratch {
-  explicit Scratch(std::size_t columns)
-      : texels(columns),
-        spread(columns),
-        values(columns),
-        variances(columns),
-        cut(columns),
-        red(columns),
-        green(columns),
-        blue(columns) {}
+  explicit Scratch(std::size_t columns) : texels(columns), spread(columns), cut(columns) {
+    for (std::vector<double>* const list : {&values, &variances, &red, &green, &blue}) list->resize(columns);
+  }
   TexelRow texels;
   TexelSpread spread;          ///< of kernels that are curved
   TexelPoints points;          ///< none: values at centroids do

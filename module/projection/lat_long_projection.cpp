@@ -326,17 +326,17 @@ void LatLongProjector::State::project_block(int block, const LatLongView& rows, 
   std::fill(scratch.local_sums.begin(), scratch.local_sums.end(), 0.0);
   std::fill(scratch.exact_local_sums.begin(), scratch.exact_local_sums.end(), 0.0);
   const auto row_of = [&rows](int index) { return static_cast<const std::byte*>(image::row_of(rows, index)); };
-  SanitizeRecord& record = sums.record(static_cast<std::size_t>(block));
+  SanitizeRecord& record = sums.records[static_cast<std::size_t>(block)];
   for (int index = 0; index < rows.height; ++index) {
     const int row = block * rows_per_block + index;
     sum_row(row_of(index), index + 1 < rows.height ? row_of(index + 1) : nullptr, rows.format, row, scratch, record);
     add_row(row, scratch);
   }
   transforms::lat_long_transform(options.bands)
-      .add(scratch.local_sums.data(), identity.data(), sums.values(static_cast<std::size_t>(block)));
+      .add(scratch.local_sums.data(), identity.data(), sums.tile(static_cast<std::size_t>(block)));
   if (!errs()) return;
   transforms::lat_long_transform(options.bands)
-      .add(scratch.exact_local_sums.data(), identity.data(), exact_sums.values(static_cast<std::size_t>(block)));
+      .add(scratch.exact_local_sums.data(), identity.data(), exact_sums.tile(static_cast<std::size_t>(block)));
 }
 
 ColumnRun LatLongProjector::State::column_run(const std::byte* texels, PixelFormat format, int row, int chunk) const {
@@ -533,12 +533,14 @@ void LatLongProjector::project_block(int block, const LatLongView& rows, std::si
 Projection LatLongProjector::finish() {
   const SanitizeRecord record = state_->sums.total_record();
   throw_if_rejected(record, false);
-  Projection projection{state_->sums.total(), {}};
-  projection.diagnostics = diagnostics_of(projection.radiance.coefficients(), record, 1.0);
+  Projection projection{SphericalHarmonics(state_->options.bands), {}};
+  const std::span<glm::dvec3> radiance = projection.radiance.coefficients();
+  state_->sums.total(radiance);
+  projection.diagnostics = diagnostics_of(radiance, record, 1.0);
   projection.diagnostics.texels =
       static_cast<std::uint64_t>(state_->width) * static_cast<std::uint64_t>(state_->height);
-  const std::span<const glm::dvec3> radiance = projection.radiance.coefficients();
-  const SphericalHarmonics exact = state_->errs() ? state_->exact_sums.total() : projection.radiance;
+  SphericalHarmonics exact = projection.radiance;
+  if (state_->errs()) state_->exact_sums.total(exact.coefficients());
   projection.diagnostics.error_estimate = relative_error(radiance, exact.coefficients());
   return projection;
 }

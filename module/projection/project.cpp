@@ -18,7 +18,6 @@
 #include "projection/lat_long_projection.h"
 #include "projection/projection_error.h"
 #include "projection/sanitizer.h"
-#include "projection/target_size.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
@@ -44,13 +43,12 @@ void check_chain(std::span<const CubemapView> mips) {
 Projection project_boxes(const CubemapView& cubemap, int target, const ProjectionOptions& options,
                          const Control& control) {
   const jobs::Stopwatch reducing;
-  const projection::ReducedCubemap reduced =
-      projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, 0.6));
+  const Cubemap reduced = projection::reduce_by_box(cubemap, target, options, jobs::part_of(control, 0.0, 0.6));
   const double milliseconds = reducing.milliseconds();
   ProjectionOptions whole = options;
   whole.quadrature = Quadrature::exact;
   const Projection exact = projection::project_cubemap(cubemap, whole, jobs::part_of(control, 0.6, 0.9));
-  Projection projection = projection::project_cubemap(reduced.view, options, jobs::part_of(control, 0.9, 1.0));
+  Projection projection = projection::project_cubemap(reduced.view(), options, jobs::part_of(control, 0.9, 1.0));
   projection.diagnostics.texels = exact.diagnostics.texels;
   projection.diagnostics.error_estimate =
       projection::relative_error(projection.radiance.coefficients(), exact.radiance.coefficients());

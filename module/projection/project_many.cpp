@@ -1,10 +1,9 @@
 // Many cubemaps in one call: small ones side by side, each in one thread; large ones by all threads.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,14 +17,10 @@
 #include "platform/standard_library.h"
 #include "projection/chunk_projection.h"
 #include "projection/cubemap_projection.h"
-#include "projection/midpoint_error.h"
 #include "projection/projection_error.h"
 #include "projection/sanitizer.h"
 #include "projection/strip_projection.h"
-#include "projection/target_size.h"
-#include "projection/texel_weights.h"
 #include "projection/tile_sums.h"
-#include "transform/frame_transform.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 #include "welkin/projection.h"
@@ -51,8 +46,6 @@ class SmallCubemaps {
   SmallCubemaps(const ProjectionOptions& options, bool one_of_many)
       : options_(options), sanitizer_(options.pixels), one_of_many_(one_of_many) {
     options_.target_size.reset();  // of those that they take it is none
-    // Shared tables are built here, not inside a tile.
-    for (const int face : kAllFaces) static_cast<void>(transforms::face_transform(face, options.bands));
   }
 
   /// Whether they take cubemaps of that size: those that `project` itself leaves to the calling thread, but for
@@ -65,92 +58,56 @@ class SmallCubemaps {
 
   void prepare(int size) {
     const auto at = static_cast<std::size_t>(size);
-    if (weights_.size() <= at) weights_.resize(at + 1);
-    errors_.resize(weights_.size());
-    if (weights_[at]) return;
-    weights_[at] = TexelWeights::get(weights_key(size, options_));
-    if (options_.quadrature == Quadrature::midpoint)
-      errors_[at] = MidpointError::get(size, options_.bands, *weights_[at]);
+    if (tables_.size() <= at) tables_.resize(at + 1);
+    if (!tables_[at]) tables_[at].emplace(size, options_);
   }
 
   void make_scratch(std::size_t workers) {
     std::size_t weight_floats = 0;
-    for (const auto& weights : weights_) weight_floats = std::max(weight_floats, weights ? weights->scratch_size() : 0);
+    int tiles = 0;
+    for (const auto& tables : tables_) {
+      if (!tables) continue;
+      weight_floats = std::max(weight_floats, tables->weights->scratch_size());
+      tiles = std::max(tiles, ChunkProjection::tile_count(*tables->weights));
+    }
     scratches_.clear();
     scratches_.reserve(workers);
-    while (scratches_.size() < workers) scratches_.emplace_back(options_.bands * options_.bands, weight_floats);
+    while (scratches_.size() < workers)
+      scratches_.push_back(
+          {{options_.bands * options_.bands, weight_floats}, {static_cast<std::size_t>(tiles), options_}});
   }
 
-  /// Writes bands^2 coefficients. A texel that a policy rejects is left in `record`. Different workers may project at
-  /// the same time. Allocates nothing.
-  [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker, std::span<dvec3> radiance,
-                                              SanitizeRecord& record) {
-    Scratch& scratch = scratches_[worker];
-    const TexelWeights& weights = *weights_[static_cast<std::size_t>(cubemap.size)];
-    const ChunkProjection chunks(cubemap, options_, kAllFaces, sanitizer_, weights, one_of_many_);
-    const MidpointError* const error = errors_[static_cast<std::size_t>(cubemap.size)].get();
-    std::fill(scratch.sums.begin(), scratch.sums.end(), 0.0);
-    std::fill(scratch.off.begin(), scratch.off.end(), 0.0);
-    for (int tile = 0; tile < ChunkProjection::tile_count(weights); ++tile) {
-      record.add(add_tile(chunks, tile, weights.weight_rows().data(), error, scratch));
+  /// Writes bands^2 coefficients. Different workers may project at the same time. Allocates nothing. Throws `Error`
+  /// (rejected_pixel).
+  [[nodiscard]] ProjectionDiagnostics project(const CubemapView& cubemap, std::size_t worker,
+                                              std::span<dvec3> radiance) {
+    auto& [chunk_scratch, sums] = scratches_[worker];
+    const CubemapTables& tables = *tables_[static_cast<std::size_t>(cubemap.size)];
+    const ChunkProjection chunks(cubemap, options_, kAllFaces, sanitizer_, *tables.weights, one_of_many_);
+    sums.clear();
+    for (int tile = 0; tile < ChunkProjection::tile_count(*tables.weights); ++tile) {
+      chunks.sum_tile(tile, chunk_scratch);
+      for (const int face : kAllFaces) {
+        SanitizeRecord record;
+        const std::span<const double> face_sums = chunks.face_sums(tile, face, chunk_scratch, record);
+        sums.add(tables, static_cast<std::size_t>(tile), face, face_sums.data(), record);
+      }
     }
-    const std::size_t functions = radiance.size();
-    const auto at = [functions](const std::vector<double>& sums, std::size_t f) {
-      return dvec3(sums[f], sums[functions + f], sums[2 * functions + f]);
-    };
-    for (std::size_t f = 0; f < functions; ++f) radiance[f] = at(scratch.sums, f);
-    ProjectionDiagnostics diagnostics = cubemap_diagnostics(cubemap.size, radiance, record);
-    diagnostics.error_estimate = relative_error(radiance, radiance);
-    if (error == nullptr) return diagnostics;
-    std::array<dvec3, std::size_t{kMaximumBands} * kMaximumBands> off;
-    for (std::size_t f = 0; f < functions; ++f) off[f] = at(scratch.off, f);
-    diagnostics.error_estimate = midpoint_estimate(radiance, {off.data(), functions}, *error);
-    return diagnostics;
+    return sums.finish(tables, radiance);
   }
 
  private:
   /// What a worker needs.
   struct Scratch {
-    Scratch(int functions, std::size_t weight_floats)
-        : chunks(functions, weight_floats),
-          slot(static_cast<std::size_t>(3 * functions)),
-          sums(slot.size()),
-          off_slot(slot.size()),
-          off(slot.size()) {}
-
     ChunkProjection::Scratch chunks;
-    std::vector<double> slot;      ///< of a tile, [3][functions]
-    std::vector<double> sums;      ///< of all, likewise
-    std::vector<double> off_slot;  ///< what the midpoint rule errs by in a tile
-    std::vector<double> off;       ///< and in all
+    WorldSums sums;
   };
-
-  SanitizeRecord add_tile(const ChunkProjection& chunks, int tile, const int* weight_rows, const MidpointError* error,
-                          Scratch& scratch) const {
-    std::fill(scratch.slot.begin(), scratch.slot.end(), 0.0);
-    std::fill(scratch.off_slot.begin(), scratch.off_slot.end(), 0.0);
-    SanitizeRecord of_tile;
-    chunks.sum_tile(tile, scratch.chunks);
-    for (const int face : kAllFaces) {
-      SanitizeRecord of_face;
-      const std::span<const double> sums = chunks.face_sums(tile, face, scratch.chunks, of_face);
-      transforms::face_transform(face, options_.bands).add(sums.data(), weight_rows, scratch.slot.data());
-      if (error != nullptr) error->add(face, sums.data(), scratch.off_slot.data());
-      of_tile.add(of_face);
-    }
-    for (std::size_t k = 0; k < scratch.sums.size(); ++k) {
-      scratch.sums[k] += scratch.slot[k];
-      scratch.off[k] += scratch.off_slot[k];
-    }
-    return of_tile;
-  }
 
   ProjectionOptions options_;
   Sanitizer sanitizer_;
   bool one_of_many_;
-  std::vector<std::shared_ptr<const TexelWeights>> weights_;  ///< by size
-  std::vector<std::shared_ptr<const MidpointError>> errors_;  ///< by size, of the midpoint rule
-  std::vector<Scratch> scratches_;                            ///< of each worker
+  std::vector<std::optional<CubemapTables>> tables_;  ///< by size
+  std::vector<Scratch> scratches_;                    ///< of each worker
 };
 
 /// Probes that follow each other and are projected in one tile; or one large probe.
@@ -240,10 +197,7 @@ class ManyProjections {
 
   ProjectionDiagnostics project_small(std::size_t k, std::size_t worker, const Control& control) {
     if (!SmallCubemaps::serves(probes_[k].size, options_)) return project_alone(k, {control.stop});
-    SanitizeRecord record;
-    ProjectionDiagnostics diagnostics = small_.project(probes_[k], worker, coefficients_of(k), record);
-    throw_if_rejected(record, true);
-    return diagnostics;
+    return small_.project(probes_[k], worker, coefficients_of(k));
   }
 
   void run_large(const Control& control, double from) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -64,6 +66,27 @@ double mip_error(std::span<const glm::dvec3> radiance, double size) {
     add(0.35 * l * cell * point_share * std::sqrt(2.0 * l + 1.0) * norms[0]);
   }
   return std::sqrt(error_squared / total_squared);
+}
+
+std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept {
+  if (!options.target_size) return std::nullopt;
+  const int target = options.quadrature == Quadrature::midpoint
+                         ? static_cast<int>(std::bit_floor(static_cast<unsigned>(*options.target_size)))
+                         : *options.target_size;
+  return target < size ? std::optional(target) : std::nullopt;
+}
+
+// Of neighbours a > t > b the first is nearer if a / t < t / b.
+std::size_t nearest_level(std::span<const int> sizes, int target) noexcept {
+  std::size_t level = 0;
+  while (level + 1 < sizes.size() && sizes[level] > target) {
+    const std::int64_t a = sizes[level];
+    const std::int64_t b = sizes[level + 1];
+    const std::int64_t t = target;
+    if (b <= t && a * b < t * t) break;
+    ++level;
+  }
+  return level;
 }
 
 }  // namespace welkin::projection

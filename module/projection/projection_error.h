@@ -1,8 +1,12 @@
 // How far the coefficients of a projection are from those of the image.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
+
+#include "welkin/projection.h"
 
 namespace welkin::projection {
 
@@ -18,5 +22,14 @@ namespace welkin::projection {
 /// band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of
 /// size^-2, unless the image is nearly uniform. The guess misses a pattern that the mip averages away.
 [[nodiscard]] double mip_error(std::span<const glm::dvec3> radiance, double size);
+
+// Which size of an environment a projection reads.
+
+/// The target face size as the quadrature understands it for a face of `size` texels (Babylon.js rounds down to a
+/// power of two, and so does the midpoint rule); none if there is none or the source is no larger.
+[[nodiscard]] std::optional<int> effective_target(int size, const ProjectionOptions& options) noexcept;
+
+/// The level nearest to `target` in log2: the index of one of `sizes`, which fall.
+[[nodiscard]] std::size_t nearest_level(std::span<const int> sizes, int target) noexcept;
 
 }  // namespace welkin::projection

@@ -98,43 +98,38 @@ void SanitizedSource::copy(PixelFormat format, const std::vector<const void*>& r
   sanitize(suspects, sanitizer, jobs::part_of(control, 0.7, 1.0));
 }
 
-/// Solid angles of texels as the sanitizer takes them: of a lat-long's row all alike.
-class SanitizedSource::TexelAngles {
- public:
-  TexelAngles(bool cubemap, std::size_t columns, std::size_t rows)
-      : rows_(cubemap ? columns : rows), columns_(cubemap ? columns : 1), angles_(rows_ * columns_) {
-    std::vector<double> of_row(columns_);
-    for (std::size_t row = 0; row < rows_; ++row) {
-      if (cubemap) {
-        image::cubemap_row_solid_angles(static_cast<int>(row), of_row);
-      } else {
-        of_row[0] =
-            image::lat_long_texel_solid_angle(static_cast<int>(columns), static_cast<int>(rows), static_cast<int>(row));
-      }
-      for (std::size_t k = 0; k < columns_; ++k) angles_[row * columns_ + k] = static_cast<float>(of_row[k]);
+namespace {
+
+/// Returns the solid angles of texels as the sanitizer takes them: of a cubemap's face, or of each row of a lat-long.
+std::vector<float> texel_angles(bool cubemap, int columns, int rows) {
+  std::vector<double> of_row(static_cast<std::size_t>(columns));
+  std::vector<float> angles;
+  angles.reserve(cubemap ? of_row.size() * of_row.size() : static_cast<std::size_t>(rows));
+  for (int row = 0; row < (cubemap ? columns : rows); ++row) {
+    if (cubemap) {
+      image::cubemap_row_solid_angles(row, of_row);
+      for (const double angle : of_row) angles.push_back(static_cast<float>(angle));
+    } else {
+      angles.push_back(static_cast<float>(image::lat_long_texel_solid_angle(columns, rows, row)));
     }
   }
+  return angles;
+}
 
-  /// Rows of a cubemap are counted face after face.
-  [[nodiscard]] const float* of_row(std::size_t row) const { return angles_.data() + row % rows_ * columns_; }
-
- private:
-  std::size_t rows_;
-  std::size_t columns_;
-  std::vector<float> angles_;
-};
+}  // namespace
 
 void SanitizedSource::sanitize(const std::vector<char>& suspects, const Sanitizer& sanitizer, const Control& control) {
   const std::size_t rows = suspects.size();
-  const TexelAngles angles(cubemap_, static_cast<std::size_t>(columns_), rows);
+  const auto columns = static_cast<std::size_t>(columns_);
+  const std::vector<float> angles = texel_angles(cubemap_, columns_, static_cast<int>(rows));
   std::vector<SanitizeRecord> records(tiles_of(rows));
   for_rows(rows, columns_, control, [&](std::size_t tile, std::size_t row) {
     if (suspects[row] == 0) return;
-    sanitizer.sanitize({.rgb = copy_.data() + row * static_cast<std::size_t>(3 * columns_),
+    sanitizer.sanitize({.rgb = copy_.data() + row * 3 * columns,
                         .count = columns_,
                         .face = cubemap_ ? static_cast<int>(row) / columns_ : 0,
                         .row = cubemap_ ? static_cast<int>(row) % columns_ : static_cast<int>(row),
-                        .weights = angles.of_row(row),
+                        .weights = angles.data() + (cubemap_ ? row % columns * columns : row),
                         .weight_step = cubemap_ ? 1 : 0},
                        records[tile]);
     measure(row, sanitizer);

@@ -59,7 +59,6 @@ class SanitizedSource {
             const Control& control);
   void read(PixelFormat format, const std::vector<const void*>& rows, const PixelPolicy& policy,
             const Control& control);
-  class TexelAngles;
   /// The rows of the copy that are marked.
   void sanitize(const std::vector<char>& suspects, const Sanitizer& sanitizer, const Control& control);
 

@@ -6,21 +6,26 @@
 
 namespace welkin::projection {
 
-SphericalHarmonics TileSums::total() const {
-  std::vector<double> sums(3 * functions_);
-  for (std::size_t at = 0; at < values_.size(); at += sums.size()) {
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += values_[at + k];
+std::vector<double> TileSums::sum() const {
+  std::vector<double> sums(3 * functions);
+  for (std::size_t at = 0; at < values.size(); at += sums.size()) {
+    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += values[at + k];
   }
-  SphericalHarmonics result(static_cast<int>(std::lround(std::sqrt(static_cast<double>(functions_)))));
-  for (std::size_t f = 0; f < functions_; ++f) {
-    result.coefficients()[f] = {sums[f], sums[functions_ + f], sums[2 * functions_ + f]};
+  return sums;
+}
+
+void TileSums::total(std::span<glm::dvec3> coefficients) const noexcept {
+  for (std::size_t f = 0; f < functions; ++f) {
+    glm::dvec3 sum(0.0);
+    for (std::size_t at = f; at < values.size(); at += 3 * functions)
+      sum += glm::dvec3(values[at], values[at + functions], values[at + 2 * functions]);
+    coefficients[f] = sum;
   }
-  return result;
 }
 
 SanitizeRecord TileSums::total_record() const {
   SanitizeRecord total;
-  for (const SanitizeRecord& record : records_) total.add(record);
+  for (const SanitizeRecord& record : records) total.add(record);
   return total;
 }
 

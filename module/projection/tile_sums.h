@@ -9,48 +9,40 @@
 #include "projection/projection_kernels.h"
 #include "projection/sanitizer.h"
 #include "welkin/projection.h"
-#include "welkin/spherical_harmonics.h"
 
 namespace welkin::projection {
 
-/// In the face's own frame: the same for the same pixels on any face.
-struct FaceSums {
-  FaceSums(std::size_t tiles, int bands)
+/// One slot of sums, [3][bands^2] in double, and one record of the sanitizing for every tile. Made before the tiles
+/// run; each tile writes its own slot; totals add them in the tiles' order.
+struct TileSums {
+  TileSums(std::size_t tiles, int bands)
       : functions(static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands)),
         values(tiles * 3 * functions),
         records(tiles) {}
 
+  [[nodiscard]] double* tile(std::size_t index) noexcept { return values.data() + index * 3 * functions; }
+  [[nodiscard]] const double* tile(std::size_t index) const noexcept { return values.data() + index * 3 * functions; }
+
+  [[nodiscard]] std::vector<double> sum() const;  ///< [3][functions]
+  /// The sum as coefficients, where slots are in canonical order; allocates nothing.
+  void total(std::span<glm::dvec3> coefficients) const noexcept;
+  [[nodiscard]] SanitizeRecord total_record() const;
+
   std::size_t functions;
-  std::vector<double> values;           ///< of each tile, [3][functions] in the order of the weights
+  std::vector<double> values;           ///< of each tile
   std::vector<SanitizeRecord> records;  ///< of each tile
+};
+
+/// In the face's own frame, in the order of the weights: the same for the same pixels on any face.
+struct FaceSums : TileSums {
+  using TileSums::TileSums;
 
   /// The sums of the texels as areas, [3][functions] in the same order, where `values` are of averages; else empty.
   std::vector<double> exact;
 
-  [[nodiscard]] double* tile(std::size_t index) noexcept { return values.data() + index * 3 * functions; }
-  [[nodiscard]] const double* tile(std::size_t index) const noexcept { return values.data() + index * 3 * functions; }
   [[nodiscard]] std::size_t bytes() const noexcept {
     return sizeof *this + (values.size() + exact.size()) * sizeof(double) + records.size() * sizeof(SanitizeRecord);
   }
-};
-
-/// One slot of canonical sums, [3][bands^2] in double, and one record of the sanitizing for every tile. Made before
-/// the tiles run; each tile writes its own slot; `total` adds them in the tiles' order.
-class TileSums {
- public:
-  TileSums(std::size_t tiles, int bands)
-      : functions_(static_cast<std::size_t>(bands * bands)), values_(tiles * 3 * functions_), records_(tiles) {}
-
-  [[nodiscard]] double* values(std::size_t tile) noexcept { return values_.data() + tile * 3 * functions_; }
-  [[nodiscard]] SanitizeRecord& record(std::size_t tile) noexcept { return records_[tile]; }
-
-  [[nodiscard]] SphericalHarmonics total() const;
-  [[nodiscard]] SanitizeRecord total_record() const;
-
- private:
-  std::size_t functions_;
-  std::vector<double> values_;
-  std::vector<SanitizeRecord> records_;
 };
 
 /// True if no sum is NaN or infinite: then no texel was either, and none overflowed.

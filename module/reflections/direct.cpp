@@ -148,6 +148,25 @@ int clamped(double position, int count) noexcept {
   return std::clamp(static_cast<int>(std::floor(position)), 0, count - 1);
 }
 
+/// Returns the radiance of the texel that a unit direction lies in: the limit for roughness 0.
+glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm::dvec3& d) noexcept {
+  const int columns = source.columns();
+  if (!source.cubemap()) {
+    const double longitude = math::turns_of(d.x, d.z);
+    const double latitude = math::turns_of(d.y, std::sqrt(d.x * d.x + d.z * d.z));
+    const int column = clamped((0.5 - longitude) * columns, columns);
+    const int row = clamped((0.25 - latitude) * 2.0 * source.rows(), source.rows());
+    return projection::radiance_of(source.row(row) + std::ptrdiff_t{3} * column);
+  }
+  const int face = image::face_of(d);
+  const image::Frame& frame = image::face_frame(face);
+  const auto along = [&](const glm::dvec3& axis) { return d.x * axis.x + d.y * axis.y + d.z * axis.z; };
+  const double normal = along(frame.normal);
+  const int column = clamped(0.5 * (along(frame.u) / normal + 1.0) * columns, columns);
+  const int row = clamped(0.5 * (along(frame.v) / normal + 1.0) * columns, columns);
+  return projection::radiance_of(source.row(face * columns + row) + std::ptrdiff_t{3} * column);
+}
+
 }  // namespace
 
 // c D over the sphere by x = 1 - c, see `lobe`: alpha^2 (1 - x) / (pi (alpha^2 + x (1 - alpha^2) / 2)^2).
@@ -195,24 +214,6 @@ std::vector<glm::dvec3> integrate_lobe(const projection::SanitizedSource& source
   const double whole = lobe_integral(lobe.alpha());
   for (glm::dvec3& value : result) value /= whole;
   return result;
-}
-
-glm::dvec3 radiance_towards(const projection::SanitizedSource& source, const glm::dvec3& d) noexcept {
-  const int columns = source.columns();
-  if (!source.cubemap()) {
-    const double longitude = math::turns_of(d.x, d.z);
-    const double latitude = math::turns_of(d.y, std::sqrt(d.x * d.x + d.z * d.z));
-    const int column = clamped((0.5 - longitude) * columns, columns);
-    const int row = clamped((0.25 - latitude) * 2.0 * source.rows(), source.rows());
-    return projection::radiance_of(source.row(row) + std::ptrdiff_t{3} * column);
-  }
-  const int face = image::face_of(d);
-  const image::Frame& frame = image::face_frame(face);
-  const auto along = [&](const glm::dvec3& axis) { return d.x * axis.x + d.y * axis.y + d.z * axis.z; };
-  const double normal = along(frame.normal);
-  const int column = clamped(0.5 * (along(frame.u) / normal + 1.0) * columns, columns);
-  const int row = clamped(0.5 * (along(frame.v) / normal + 1.0) * columns, columns);
-  return projection::radiance_of(source.row(face * columns + row) + std::ptrdiff_t{3} * column);
 }
 
 std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& directions) {

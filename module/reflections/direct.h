@@ -37,10 +37,6 @@ class GgxFunction final : public projection::KernelFunction {
 [[nodiscard]] std::vector<glm::dvec3> integrate_lobe(const projection::SanitizedSource& source, const Lobe& lobe,
                                                      std::span<const glm::dvec3> directions, const Control& control);
 
-/// The radiance of the texel that a unit direction lies in: the limit for roughness 0.
-[[nodiscard]] glm::dvec3 radiance_towards(const projection::SanitizedSource& source,
-                                          const glm::dvec3& direction) noexcept;
-
 /// A caller's directions, of length 1. Throws `Error` (invalid_argument) for none, too many, or one that has no length.
 [[nodiscard]] std::vector<glm::dvec3> unit_directions(const std::vector<glm::dvec3>& directions);
 

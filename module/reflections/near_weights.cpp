@@ -47,7 +47,13 @@ double sine_squared_of_half(double radians) {
   return sine * sine;
 }
 
+/// From the least to the largest of some numbers.
 struct Interval {
+  void take(double value) {
+    first = std::min(first, value);
+    end = std::max(end, value);
+  }
+
   double first = kInfinity;
   double end = -kInfinity;
 };
@@ -224,20 +230,6 @@ void NearWeights::add_face(const Directions& directions, int part, Scratch& scra
                                            closed_ ? beside(row, kClose) : ColumnRange{})});
 }
 
-namespace {
-
-/// The least and the largest of some numbers.
-struct Extent {
-  double least = kInfinity;
-  double largest = -kInfinity;
-  void take(double value) {
-    least = std::min(least, value);
-    largest = std::max(largest, value);
-  }
-};
-
-}  // namespace
-
 void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) const {
   const int columns = split_.face;
   const int rows = split_.rows;
@@ -249,8 +241,8 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   group.across = static_cast<float>(2.0 * kPi / columns);
   // the pair of 0 columns, from which indices go both ways
   group.columns = column_table_.data() + columns / 2 * 2;
-  Extent latitude;  // turns
-  Extent part_rows;
+  Interval latitude;  // turns
+  Interval part_rows;
   for (std::size_t k = 0; k < kLanes; ++k) {
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
@@ -274,7 +266,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     group.part_row[k] = static_cast<float>(row - window.row[k]);
   }
   const int highest_row = *std::max_element(window.row.begin(), window.row.end());
-  const double own_cosine = math::sine_cosine_of_turns(latitude.largest).cosine;
+  const double own_cosine = math::sine_cosine_of_turns(latitude.end).cosine;
   // sin^2 of half the way is sin^2(rows / 2) + cos cos sin^2(columns / 2) (the haversine formula). With `left` of it
   // for the columns, half their angle is asin(sqrt(left / cosines)), which is half_angle columns / pi columns. Column
   // k > 0 has its middle k - 1/2 or more from a direction in column 0, -k as much, and counts if that less kInset is
@@ -290,7 +282,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     return side == columns / 2 ? ColumnRange{-side, side} : ColumnRange{-side, side + 1};
   };
   // ranges that count in texels are wide enough for the lowest of the directions, where columns are the widest
-  const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.least).cosine);
+  const double texel = std::max(kPi / rows, 2.0 * kPi / columns * math::sine_cosine_of_turns(latitude.first).cosine);
   const double all = sine_squared_of_half(split_.reach);
   const double fine = sine_squared_of_half((closed_ ? kFine : kClose) * texel);
   const double close = closed_ ? sine_squared_of_half(kClose * texel) : 0.0;
@@ -300,11 +292,11 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   for (int row = -side; row <= side; ++row) {
     // its middle, from the highest and the lowest of the directions; rows beyond the pole that none of them has see
     // nothing, which a `nearest` above any reach says
-    const double high = row + 0.5 - part_rows.least;
-    const double low = row + 0.5 - part_rows.largest;
+    const double high = row + 0.5 - part_rows.first;
+    const double low = row + 0.5 - part_rows.end;
     const double nearest =
         row + highest_row < 0 ? 10.0 : sine_squared_of_half(std::max({0.0, low - kInset, -high - kInset}) * kPi / rows);
-    const double other = latitude.largest + 0.5 * (0.5 - low) / rows;  // the northernmost
+    const double other = latitude.end + 0.5 * (0.5 - low) / rows;  // the northernmost
     const double cosines = other >= 0.25 ? 0.0 : own_cosine * math::sine_cosine_of_turns(other).cosine;
     window.rows.push_back({.range = nested(range_of(cosines, all - nearest), range_of(cosines, fine - nearest),
                                            range_of(cosines, close - nearest))});

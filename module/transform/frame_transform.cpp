@@ -13,6 +13,38 @@
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::transforms {
+
+/// A quadrature over the sphere that is exact for products of two harmonics of as many bands: Gauss points in z, twice
+/// as many even azimuths as bands.
+struct SphereRule {
+  explicit SphereRule(int its_bands) : bands(its_bands) {
+    const auto count = static_cast<std::size_t>(bands * bands);
+    // Products of two harmonics have degrees up to 2 bands - 2: `bands` Gauss points are exact up to 2 bands - 1 in z,
+    // and 2 bands equal azimuths for orders up to 2 bands - 1.
+    const math::GaussRule rule = math::gauss_legendre(bands);
+    const int azimuths = 2 * bands;
+    for (int i = 0; i < rule.order; ++i) {
+      const double z = rule.nodes[i];
+      const double ring = std::sqrt(1.0 - z * z);
+      const double weight = rule.weights[i] * 2.0 * std::numbers::pi / azimuths;
+      for (int k = 0; k < azimuths; ++k) {
+        const math::SineCosine azimuth = math::sine_cosine_of_turns((k + 0.5) / azimuths);
+        Point& point = points.emplace_back(Point{ring * azimuth.cosine, ring * azimuth.sine, z, weight, {}});
+        point.harmonics.resize(count);
+        math::evaluate_basis(point.x, point.y, z, bands, point.harmonics.data());
+      }
+    }
+  }
+
+  struct Point {
+    double x, y, z;
+    double weight;
+    std::vector<double> harmonics;  ///< [bands^2], at this point
+  };
+  int bands;
+  std::vector<Point> points;
+};
+
 namespace {
 
 constexpr image::Frame kLatLong{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
@@ -39,36 +71,16 @@ const Transforms& transforms(int bands) {
 
 }  // namespace
 
-SphereRule::SphereRule(int bands) : bands_(bands) {
-  const auto count = static_cast<std::size_t>(bands * bands);
-  // Products of two harmonics have degrees up to 2 bands - 2: `bands` Gauss points are exact up to 2 bands - 1 in z,
-  // and 2 bands equal azimuths for orders up to 2 bands - 1.
-  const math::GaussRule rule = math::gauss_legendre(bands);
-  const int azimuths = 2 * bands;
-  values_.resize(static_cast<std::size_t>(rule.order * azimuths) * count);
-  double* values = values_.data();
-  for (int i = 0; i < rule.order; ++i) {
-    const double z = rule.nodes[i];
-    const double ring = std::sqrt(1.0 - z * z);
-    const double weight = rule.weights[i] * 2.0 * std::numbers::pi / azimuths;
-    for (int k = 0; k < azimuths; ++k, values += count) {
-      const math::SineCosine azimuth = math::sine_cosine_of_turns((k + 0.5) / azimuths);
-      points_.push_back({ring * azimuth.cosine, ring * azimuth.sine, z, weight, values});
-      math::evaluate_basis(points_.back().x, points_.back().y, z, bands, values);
-    }
-  }
-}
-
 // T_l[m][m'] = Int Y(l, m)(frame d) Y(l, m')(d) dd. The integrand is a polynomial of degree 2l, which the rule
 // integrates exactly. Harmonics of different degrees do not mix. Entries are sums of products of a few square roots;
 // what is not one is rounding and dropped.
 FrameTransform::FrameTransform(const image::Frame& frame, const SphereRule& rule)
-    : functions_(rule.bands() * rule.bands()) {
+    : functions_(rule.bands * rule.bands) {
   const auto count = static_cast<std::size_t>(functions_);
-  const int bands = rule.bands();
+  const int bands = rule.bands;
   std::vector<double> matrix(count * count);
   std::vector<double> canonical(count);
-  for (const SphereRule::Point& point : rule.points()) {
+  for (const SphereRule::Point& point : rule.points) {
     const glm::dvec3 world = point.x * frame.u + point.y * frame.v + point.z * frame.normal;
     math::evaluate_basis(world.x, world.y, world.z, bands, canonical.data());
     for (std::size_t first = 0, end = 1, width = 1; first < count; first = end, width += 2, end += width) {

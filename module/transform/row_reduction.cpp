@@ -95,7 +95,7 @@ struct ReducedRows::Scratch {
 ReducedRows::ReducedRows(ImageRows source, const ReducedShape& shape)
     : source_(std::move(source)),
       shape_(shape),
-      kernels_(reduction_kernels()),
+      kernels_(fourier_kernels()),
       row_floats_(std::size_t{3} * static_cast<std::size_t>(shape.columns)),
       rows_(row_floats_ * static_cast<std::size_t>(shape.rows + 2)) {
   find_shares();

@@ -23,7 +23,6 @@
 
 #include "platform/memory.h"
 #include "transform/image_rows.h"
-#include "transform/reduction_kernels.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
 
@@ -81,7 +80,7 @@ class ReducedRows {
 
   ImageRows source_;
   ReducedShape shape_;
-  const ReductionKernels& kernels_;
+  const FourierKernels& kernels_;
   std::size_t row_floats_;
   std::vector<int> first_edges_;  ///< of the interval from each coarse edge to the next, in fine edges
   std::vector<float> shares_;     ///< [fine edge][kStepShares]: what the coarse edges around it get

@@ -185,7 +185,7 @@ SphericalHarmonics reference_projection(const CubemapView& cubemap, const Projec
     ProjectionOptions unreduced = options;
     unreduced.target_size.reset();
     if (target >= cubemap.size) return reference_projection(cubemap, unreduced);
-    return reference_projection(projection::reduce_by_box(cubemap, target, options, {}).view, unreduced);
+    return reference_projection(projection::reduce_by_box(cubemap, target, options, {}).view(), unreduced);
   }
   const projection::Sanitizer policy(options.pixels);
   SphericalHarmonics sum(options.bands);

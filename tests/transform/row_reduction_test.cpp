@@ -9,7 +9,6 @@
 #include "support/test_environments.h"
 #include "support/trials.h"
 #include "transform/dark_scale.h"
-#include "transform/reduction_kernels.h"
 #include "transform/spectrum.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
@@ -162,8 +161,7 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
         }
         std::vector<const float*> pointers;
         for (int row = 0; row <= edges; ++row) pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
-        transforms::reduction_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats},
-                                                       places.data());
+        transforms::fourier_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats}, places.data());
         double error = 0.0;
         for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - sums[i]));
         CHECK(error < 2e-6);
@@ -186,7 +184,7 @@ TEST_CASE("Columns are halved as the definition says", "[transform][reduction][k
           truth.push_back(sum);
         }
       }
-      transforms::reduction_kernels(set).halve_columns(values.data(), count, values.data());  // in place
+      transforms::fourier_kernels(set).halve_columns(values.data(), count, values.data());  // in place
       double error = 0.0;
       for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - values[i]));
       CHECK(error < 1e-6);
