@@ -27,16 +27,9 @@ class Lines {
   /// Fits the lines, the first time along the texels' spread and then to the indices found before.
   void turn(const BlockGroup& group) {
     const UastcHdrKernels& kernels = uastc_hdr_kernels();
-    const BlockLines* const before = turns_++ == 0 ? nullptr : &meant_;
-    if (partitions_ == nullptr) {
-      kernels.fit_single(group, before, fitted_);
-      store();
-      kernels.index_single(group, meant_, found_);
-    } else {
-      kernels.fit_pairs(group, partitions_, before, fitted_);
-      store();
-      kernels.index_pairs(group, partitions_, meant_, found_);
-    }
+    kernels.fit_lines(group, partitions_, turns_++ == 0 ? nullptr : &meant_, fitted_);
+    store();
+    kernels.index_lines(group, partitions_, meant_, found_);
   }
 
   [[nodiscard]] float error(std::size_t lane) const noexcept { return found_.errors[lane]; }
@@ -110,45 +103,45 @@ BlockHalves flat_halves(const BlockGroup& group, std::size_t lane) {
 /// The halves that the blocks of an `EncodedBlocks` are decoded to.
 using AllHalves = std::array<BlockHalves, kLanes>;
 
-void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {
-  std::array<std::int32_t, kLanes> flat;
-  uastc_hdr_kernels().take_logarithms(group, flat.data());
-  Lines lines;
+constexpr float kNoBlock = 1.0e30F;  ///< an error that every block is better than
+
+/// Blocks of lines that are fitted so many times take the place of those in `to` that they are better than.
+void improve_by(Lines& lines, int turns, const BlockGroup& group, EncodedBlocks& to, AllHalves* halves) {
   std::array<std::uint8_t, kBlockBytes> block;
-  for (int turn = 0; turn < (effort == Bc6hEffort::fast ? 1 : 2); ++turn) {
+  for (int turn = 0; turn < turns; ++turn) {
     lines.turn(group);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (flat[lane] != 0 || (turn > 0 && !(lines.error(lane) < to.errors[lane]))) continue;
+      if (!(lines.error(lane) < to.errors[lane])) continue;
       lines.pack(lane, block.data());
       set_block(to, lane, block.data(), lines.error(lane));
       if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
     }
   }
+}
+
+void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {
+  std::array<std::int32_t, kLanes> flat;
+  uastc_hdr_kernels().take_logarithms(group, flat.data());
+  std::fill_n(to.errors, kLanes, kNoBlock);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     if (flat[lane] == 0) continue;
     const BlockHalves all = flat_halves(group, lane);
+    std::array<std::uint8_t, kBlockBytes> block;
     pack_uastc_flat({all[0], all[1], all[2]}, block.data());
-    set_block(to, lane, block.data(), 0.0F);
+    set_block(to, lane, block.data(), 0.0F);  // which no line is better than
     if (halves != nullptr) (*halves)[lane] = all;
   }
+  Lines lines;
+  improve_by(lines, effort == Bc6hEffort::fast ? 1 : 2, group, to, halves);
 }
 
 /// Blocks that are better than those in `to` take their place.
 void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to, AllHalves* halves) {
   alignas(64) float partitions[kMaxPartitionsTried][kLanes];
   uastc_hdr_kernels().rank_partitions(group, kUastcPartitions, tried, partitions);
-  std::array<std::uint8_t, kBlockBytes> block;
   for (int rank = 0; rank < tried; ++rank) {
     Lines lines(partitions[rank]);
-    for (int turn = 0; turn < 2; ++turn) {
-      lines.turn(group);
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        if (!(lines.error(lane) < to.errors[lane])) continue;
-        lines.pack(lane, block.data());
-        set_block(to, lane, block.data(), lines.error(lane));
-        if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
-      }
-    }
+    improve_by(lines, 2, group, to, halves);
   }
 }
 
@@ -295,7 +288,7 @@ EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>
                              encode_single_lines(group, own.effort, to, nullptr);
                            },
                            [](const BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
-                             std::fill_n(to.errors, kLanes, 1.0e30F);
+                             std::fill_n(to.errors, kLanes, kNoBlock);
                              improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
                            },
                            [](const std::vector<LatLongView>& pictures, const BlockFormat& own,
