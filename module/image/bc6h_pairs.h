@@ -2,9 +2,9 @@
 // the ends and indices. Only for the sources of kernels.
 #pragma once
 
+#include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
 #include "image/bc6h_lines.h"
-#include "image/bc6h_partitions.h"
 
 namespace welkin::image::WELKIN_ISA {
 

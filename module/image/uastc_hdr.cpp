@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "image/bc6h_partitions.h"
 #include "image/block_bits.h"
 #include "image/bounded_integers.h"
 
