@@ -172,9 +172,7 @@ enum class NarrowLobe { none, backward, forward };
   return values[0] == values[1] && values[0] == values[2];
 }
 
-/// The sum of these moments; it may swing below 0 where bands are left out.
-[[nodiscard]] double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept;
-/// A phase function of these moments, not below 0.
+/// A phase function of these moments (`math::sum_of_degrees`), not below 0, as it may swing where bands are left out.
 [[nodiscard]] double phase_of(const std::vector<double>& moments, double cosine) noexcept;
 
 // The aerosol's phase function as quadratures need it.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
@@ -75,15 +76,9 @@ std::vector<double> over_phase(const Atmosphere& atmosphere, double g, double fo
     const double t = static_cast<double>(angle) / (kAureoleAngles - 1);
     const double cosine = 1.0 - 2.0 * t * t * t * t;
     std::array<double, kDepths> sums{};
-    double before = 0.0;
-    double here = 1.0;  // P_l(cosine)
-    for (std::size_t l = 0; l < chi.size(); ++l) {
-      for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * here;
-      const auto degree = static_cast<double>(l);
-      const double next = ((2.0 * degree + 1.0) * cosine * here - degree * before) / (degree + 1.0);
-      before = here;
-      here = next;
-    }
+    math::for_each_legendre(cosine, chi.size(), [&](std::size_t l, double legendre) {
+      for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * legendre;
+    });
     const double phase = aerosol_phase(atmosphere.aerosol_phase, g, cosine);
     for (const double sum : sums) table.push_back(sum / phase);
   }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "jobs/tiles.h"
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -153,7 +154,7 @@ void SourceSolver::set_rules() {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
       // Of a narrow lobe the swings below 0 are as large as what it scatters back: without them that would be twice.
       const std::vector<double>& moments = spectra_[lobe].aerosol;
-      aerosol_phase_.push_back(source_.glow.any() ? sum_of_bands(moments, cosine) : phase_of(moments, cosine));
+      aerosol_phase_.push_back(source_.glow.any() ? math::sum_of_degrees(moments, cosine) : phase_of(moments, cosine));
     }
     set_lobe_scale(lobe);
   }
