@@ -157,6 +157,12 @@ double AirModel::extinction(std::size_t constituent, std::size_t wavelength) con
   return scattering(constituent, wavelength) + value_at(matter_[constituent]->absorption_per_m, wavelength);
 }
 
+PerConstituent AirModel::extinctions(std::size_t wavelength) const noexcept {
+  PerConstituent all{};
+  for (std::size_t i = 0; i < matter_.size(); ++i) all[i] = extinction(i, wavelength);
+  return all;
+}
+
 double AirModel::albedo(std::size_t wavelength) const noexcept {
   return value_at(atmosphere_->ground_albedo, wavelength);
 }

@@ -108,9 +108,7 @@ WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::sp
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t wavelength = std::min(last, 3 * group + c);
-    for (std::size_t i = 0; i < air.constituents(); ++i) {
-      wavelengths.extinctions[c][i] = air.extinction(i, wavelength);
-    }
+    wavelengths.extinctions[c] = air.extinctions(wavelength);
     wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
     wavelengths.aerosol_once[c] = air.scattering(kAerosol, wavelength);
     // Delta-M (Wiscombe 1977): with P = f 2 delta(1 - cos) + (1 - f) P', the part f of scattering leaves the direction

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -11,6 +12,7 @@
 namespace welkin::sky {
 
 /// Throws `Error` (invalid_argument) unless there are 3 to 96, from 1 to 1e6 nm, all rising or all falling.
+inline constexpr std::size_t kMaxWavelengths = 96;
 void check_wavelengths(const std::vector<double>& wavelengths_nm);
 
 /// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
@@ -19,6 +21,9 @@ void check_wavelengths(const std::vector<double>& wavelengths_nm);
 [[nodiscard]] std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
 // The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.
+
+/// What each wavelength adds to the channels: `srgb_weights`, or, of `spectral` skies, 1 to its own channel.
+[[nodiscard]] std::vector<glm::dvec3> channel_weights(const Atmosphere& atmosphere, SkyColour colour);
 
 /// Weights of the wavelengths in the three channels.
 class ColourFold {
