@@ -551,11 +551,7 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
       }
     }
   }
-  for (double value : lobe) {
-    if (value == 0.0) continue;
-    add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
-    break;
-  }
+  add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }
 
 void check_room(std::size_t room, int bands) {
