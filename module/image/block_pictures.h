@@ -90,7 +90,7 @@ struct EncodedLevels {
 struct BlockFormat {
   Bc6hEffort effort;
   bool is_signed;
-  /// One line for each block. Called with what `PrepareBlocks` makes; may change the values of the group.
+  /// One line for each block. Called with what `Bc6hKernels::prepare` makes; may change the values of the group.
   void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
   /// Two lines, for blocks that one was not enough for: the group as the function above left it.
   void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
@@ -128,7 +128,7 @@ struct BlockTexels {
 [[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block,
                                        float least) noexcept;
 
-/// Writes the block's texels to all lanes, with those weights that are given to `PrepareBlocks`.
+/// Writes the block's texels to all lanes, with those weights that are given to `Bc6hKernels::prepare`.
 void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept;
 
 /// A cubemap's faces, each as a picture.

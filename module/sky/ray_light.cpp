@@ -370,7 +370,7 @@ RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, std::span<
 }
 
 // [padded][2][4] to [padded][4]: the shares of the nearer and the farther node of suns are added up only here
-// (`AddSource`).
+// (`add_source`).
 void RayLight::fold_pairs(float* sums) const noexcept {
   for (std::size_t i = 0; i < padded_; ++i) {
     for (std::size_t c = 0; c < 4; ++c) sums[4 * i + c] = sums[8 * i + c] + sums[8 * i + 4 + c];
