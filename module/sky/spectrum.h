@@ -11,8 +11,9 @@
 
 namespace welkin::sky {
 
+inline constexpr std::size_t kMaxWavelengths = 96;  ///< of an atmosphere
+
 /// Throws `Error` (invalid_argument) unless there are 3 to 96, from 1 to 1e6 nm, all rising or all falling.
-inline constexpr std::size_t kMaxWavelengths = 96;
 void check_wavelengths(const std::vector<double>& wavelengths_nm);
 
 /// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
