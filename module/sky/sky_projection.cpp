@@ -12,6 +12,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -566,12 +567,8 @@ void check_room(std::size_t room, int bands) {
 namespace welkin {
 
 const char* name(SkyQuadrature quadrature) noexcept {
-  switch (quadrature) {
-    case SkyQuadrature::uniform: return "uniform";
-    case SkyQuadrature::gauss: return "gauss";
-    case SkyQuadrature::gauss_split: return "gauss-split";
-  }
-  return "unknown";
+  constexpr std::array<const char*, 3> kNames{"uniform", "gauss", "gauss-split"};
+  return platform::name_in<SkyQuadrature::gauss_split>(kNames, quadrature, "unknown");
 }
 
 struct SkyProjector::Prepared {
