@@ -30,8 +30,8 @@ endif()
 # What welkin::files is built with. A codec that is switched off is not looked for; its files are then refused with an
 # error that says what Welkin was built without.
 option(WELKIN_EXR "Read and write OpenEXR files" ON)
-option(WELKIN_PNG "Read and write PNG files, and .env files, whose pictures are PNG" ON)
-option(WELKIN_WEBP "Read .env files whose pictures are WebP" ON)
+option(WELKIN_PNG "Read and write PNG files, and .env files, whose images are PNG" ON)
+option(WELKIN_WEBP "Read .env files whose images are WebP" ON)
 option(WELKIN_JPEG "Read JPEG files that have a gain map (Ultra HDR, ISO 21496-1)" ON)
 option(WELKIN_ZLIB "Pack and unpack levels of KTX2 textures with zlib" ON)
 option(WELKIN_ZSTD "Pack and unpack levels of KTX2 textures with Zstandard" ON)
@@ -68,7 +68,7 @@ welkin_codec(WELKIN_PNG SPNG SPNG::SPNG spng)
 welkin_codec(WELKIN_ZLIB ZLIB ZLIB::ZLIB zlib)
 welkin_codec(WELKIN_ZSTD ZSTD ZSTD::ZSTD libzstd)
 
-# Reading Babylon.js .env files whose pictures are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
+# Reading Babylon.js .env files whose images are WebP. (libwebp-dev) cmake/FindWebP.cmake finds it.
 welkin_codec(WELKIN_WEBP WebP WebP::WebP libwebp)
 
 # Reading JPEG files with a gain map: photographs of phones. (libjpeg62-turbo-dev)

@@ -4,7 +4,7 @@
 #
 # The sets are those of the processor that is compiled for. A build that nobody ships may leave some of x86's out, each
 # of which takes a ninth of a first build's time: sanitizers see as much in SSE2's kernels, which touch the same texels,
-# and whoever wants a first picture has one processor (scripts/welkin).
+# and a first bake needs those of one processor (scripts/welkin).
 set(WELKIN_INSTRUCTION_SETS "" CACHE STRING "x86's instruction sets to build kernels for, of sse2, avx2 and avx512; empty: all")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   set(welkin_instruction_sets neon)

@@ -19,7 +19,7 @@ BakeOptions bake_options(int size, bool background = false) {
 
 enum class Memory { fresh, again };
 
-/// `make()`: a shared picture.
+/// `make()`: a shared image.
 template <class Make>
 void add_bake(const std::string& variant, const std::string& shape, double texels, const BakeOptions& options,
               Memory memory, const Make& make) {
@@ -32,16 +32,16 @@ void add_bake(const std::string& variant, const std::string& shape, double texel
   });
 }
 
-void add_bake_of_lat_long(const std::string& variant, const SkyPictureOptions& picture, const BakeOptions& options,
+void add_bake_of_lat_long(const std::string& variant, const SkyImageOptions& image, const BakeOptions& options,
                           Memory memory = Memory::again) {
-  const std::string shape = std::to_string(picture.width) + 'x' + std::to_string(picture.width / 2);
-  add_bake(variant, shape, 0.5 * picture.width * picture.width, options, memory, [=] { return sky_picture(picture); });
+  const std::string shape = std::to_string(image.width) + 'x' + std::to_string(image.width / 2);
+  add_bake(variant, shape, 0.5 * image.width * image.width, options, memory, [=] { return sky_image(image); });
 }
 
 /// A chain of `size` from a cubemap of that size, a probe that an engine captured.
 void add_bake_of_cubemap(int size) {
   add_bake("cube-rgb32f", std::to_string(size), 6.0 * size * size, bake_options(size), Memory::again,
-           [=] { return std::make_shared<const Cubemap>(to_cubemap(sky_picture()->view(), size)); });
+           [=] { return std::make_shared<const Cubemap>(to_cubemap(sky_image()->view(), size)); });
 }
 
 constexpr int kMany = 64;
@@ -52,8 +52,8 @@ void add_bake_many(bool in_one_call) {
   constexpr double texels = 6.0 * 64.0 * 64.0 * kMany;
   const std::string variant = in_one_call ? "rgba16f" : "rgba16f-single-calls";
   add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), kThreadCounts, texels, 8.0 * texels, [=] {
-    const Cubemap picture = to_cubemap(sky_picture()->view(), 64);
-    const auto source = std::make_shared<const report::FormattedCubemap>(picture, PixelFormat::rgba16f);
+    const Cubemap image = to_cubemap(sky_image()->view(), 64);
+    const auto source = std::make_shared<const report::FormattedCubemap>(image, PixelFormat::rgba16f);
     const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
     return [=, light = std::vector<dvec3>(std::size_t{9} * kMany)]() mutable {
       const std::vector<CubemapView> probes(kMany, source->view());

@@ -297,12 +297,12 @@ void add_processes(Table& table, const std::filesystem::path& command, const Sou
   const auto add = [&](const std::string& name, int size,
                        const std::function<void(const std::filesystem::path&)>& write) {
     if (name.find(options.only) == std::string::npos) return;
-    const std::filesystem::path picture = scratch_file(name + ".exr", write);
+    const std::filesystem::path image = scratch_file(name + ".exr", write);
     double seconds = 1e9;
     for (int run = 0; run < options.runs; ++run) {
       const report::ProcessResult result = report::run_process(
-          {command.string(), "bake", picture.string(), "--quiet", "--no-previews", "--size", std::to_string(size),
-           "--threads", std::to_string(threads), "-o", (picture.parent_path() / "baked").string()},
+          {command.string(), "bake", image.string(), "--quiet", "--no-previews", "--size", std::to_string(size),
+           "--threads", std::to_string(threads), "-o", (image.parent_path() / "baked").string()},
           threads, options.clock);
       if (result.exit_code != 0) throw Error(ErrorCode::file_access, command.string() + " bake: the process failed");
       seconds = std::min(seconds, result.seconds);

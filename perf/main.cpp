@@ -5,7 +5,7 @@
 //   welkin_perf --prefilter-errors [--synthetic] [--texels=N] [--size=N] [--methods=A,B]
 //     [--roughness=A,B] [--width=N] [--cubemap=N] LATLONG... docs/maths/reflections.md
 //   welkin_perf --sky-errors [--radiance] [--methods] [--directions=N] [--altitude=M]   docs/maths/sky.md
-//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [PICTURE...]   docs/maths/reflections.md
+//   welkin_perf --estimates [COUNT] [--seed=N] [--rms-error=X] [IMAGE...]   docs/maths/reflections.md
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
 //   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [Google Benchmark options]

@@ -77,17 +77,17 @@ void add_benchmark(const std::string& subject, const std::string& variant, const
                    std::span<const int> threads, double texels, double bytes,
                    const std::function<std::function<void()>()>& prepare);
 
-struct SkyPictureOptions {
+struct SkyImageOptions {
   int width = 1024;
   double grain = 0.02;  ///< grey noise from 0 to this, beside a sky of 1
   double sun = 0.0;     ///< radiance of a disc of one degree; 0: none
 
-  friend bool operator==(const SkyPictureOptions&, const SkyPictureOptions&) = default;
+  friend bool operator==(const SkyImageOptions&, const SkyImageOptions&) = default;
 };
 
 /// A lat-long half as high as wide: a sky over ground with clouds of a few sizes, as smooth as photographs are and no
 /// smoother, whose colours change from place to place. The last one is kept.
-[[nodiscard]] std::shared_ptr<const LatLongImage> sky_picture(const SkyPictureOptions& options = {});
+[[nodiscard]] std::shared_ptr<const LatLongImage> sky_image(const SkyImageOptions& options = {});
 
 /// Default tables of Bruneton's Earth, two orders; made once.
 [[nodiscard]] std::shared_ptr<const SkyTables> earth_tables();
@@ -150,8 +150,8 @@ void add_cancel_latency();
 /// line.
 [[nodiscard]] std::string cold_calls(const Paths& arguments);
 
-/// `[COUNT] [--seed=N] [--rms-error=X] [PICTURE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
-/// random environments (10 000), of which a fifth are of the pictures if there are any. After each 500 the table so far
+/// `[COUNT] [--seed=N] [--rms-error=X] [IMAGE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
+/// random environments (10 000), of which a fifth are of the images if there are any. After each 500 the table so far
 /// goes to standard error.
 [[nodiscard]] std::string estimate_table(const Paths& arguments);
 
@@ -167,7 +167,7 @@ void add_cancel_latency();
 /// (automatic).
 [[nodiscard]] std::string prefilter_error_tables(const Paths& files);
 
-/// Previews/<spheres>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the pictures.
+/// Previews/<spheres>/<size>/<threads>: drawn, packed and written. A texel is a pixel of the images.
 void add_previews();
 
 /// Benchmarks Probes/VARIANT/64x10000/threads.
@@ -223,7 +223,7 @@ struct PageOptions {
 /// page as Markdown. Of repetitions the fastest counts. Names of running benchmarks go to standard error.
 [[nodiscard]] std::string speed_page(const PageOptions& options);
 
-/// Tables by which path tracers pick directions, of a picture of 4096 x 2048, into memory that is there.
+/// Tables by which path tracers pick directions, of an image of 4096 x 2048, into memory that is there.
 void add_importance();
 
 /// PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's thread;
@@ -239,7 +239,7 @@ void add_worker_latency();
 /// The whole chain of a 512 cubemap from a 1024 x 512 lat-long, and others.
 /// - Bake/512: cubemap (mip 0), prefiltered mips 1.., 64-texel irradiance, 64 x 64 BRDF table, into new memory; the
 ///   table from the cache. All others bake into the memory of the last.
-///   `-background`: with a background cubemap of its own and its mips as well. `-sun`: of a picture with a sun.
+///   `-background`: with a background cubemap of its own and its mips as well. `-sun`: of an image with a sun.
 ///   Bake/N/WxH: a chain of N from W x H. Bake/cube-rgb32f/N: from a cubemap of N.
 /// - BakeMany: probes of 64, in one call and in single ones.
 void add_bakes();

@@ -13,36 +13,36 @@ namespace {
 struct Settings {
   int texels = 256;
   int size = 512;
-  int width = 1024;               ///< of pictures that are made up
-  int face = 0;                   ///< texels along an edge of the cubemap that each picture is turned into; 0: it stays
+  int width = 1024;               ///< of images that are made up
+  int face = 0;                   ///< texels along an edge of the cubemap that each image is turned into; 0: it stays
   std::vector<double> roughness;  ///< of single mips, each of `size`; none: the default chain
   std::vector<PrefilterMethod> methods{PrefilterMethod::automatic};
 };
 
-struct Picture {
+struct Image {
   std::string name;
   LatLongImage image;
 };
 
 /// `light` is of columns and rows of 1024 x 512.
-Picture made_up(const std::string& name, int width, const std::function<double(int, int)>& light) {
-  Picture picture{name, {width, width / 2, {}}};
+Image made_up(const std::string& name, int width, const std::function<double(int, int)>& light) {
+  Image image{name, {width, width / 2, {}}};
   for (int row = 0; row < width / 2; ++row) {
     for (int column = 0; column < width; ++column) {
       const double value = light(column * 1024 / width, row * 1024 / width);
-      for (const double tint : {1.0, 0.8, 0.6}) picture.image.pixels.push_back(static_cast<float>(tint * value));
+      for (const double tint : {1.0, 0.8, 0.6}) image.image.pixels.push_back(static_cast<float>(tint * value));
     }
   }
-  return picture;
+  return image;
 }
 
-std::vector<Picture> made_up_pictures(int width) {
+std::vector<Image> made_up_images(int width) {
   std::mt19937 random(7);
   const auto noise = [&] { return static_cast<double>(random()) * 0x1p-32; };
   const auto blocks = [](double black, double white) {
     return [=](int column, int row) { return ((column / 128 + row / 128) & 1) != 0 ? white : black; };
   };
-  std::vector<Picture> all;
+  std::vector<Image> all;
   const auto add = [&](const char* name, const std::function<double(int, int)>& light) {
     all.push_back(made_up(name, width, light));
   };
@@ -59,7 +59,7 @@ std::vector<Picture> made_up_pictures(int width) {
 }
 
 /// A row for each mip but those that are copies.
-void add_rows(Table& table, const Picture& picture, const EnvironmentView& view, const PrefilterOptions& chain,
+void add_rows(Table& table, const Image& image, const EnvironmentView& view, const PrefilterOptions& chain,
               const Settings& settings) {
   std::mt19937 random(11);
   std::map<int, std::vector<report::Probe>> probes;
@@ -78,7 +78,7 @@ void add_rows(Table& table, const Picture& picture, const EnvironmentView& view,
       }
       const report::ProbeErrors errors = report::errors_at(result.cubemap, key, probes[key], truths[key], mip.mean);
       const std::span<const float> values = test::level_values(result.cubemap, key);
-      table.add({picture.name, name(mip.method), std::to_string(level), number("%.4g", mip.roughness),
+      table.add({image.name, name(mip.method), std::to_string(level), number("%.4g", mip.roughness),
                  std::to_string(mip.bands), std::to_string(mip.bright_texels), number("%.2g", 100.0 * errors.norms.rms),
                  mip.error_estimate ? number("%.2g", 100.0 * *mip.error_estimate) : "-",
                  number("%.2g", 100.0 * errors.norms.maximum), number("%.2g", errors.truth_there),
@@ -88,17 +88,17 @@ void add_rows(Table& table, const Picture& picture, const EnvironmentView& view,
   }
 }
 
-void add_rows(Table& table, const Picture& picture, const Settings& settings) {
-  std::fprintf(stderr, "%s\n", picture.name.c_str());
+void add_rows(Table& table, const Image& image, const Settings& settings) {
+  std::fprintf(stderr, "%s\n", image.name.c_str());
   std::vector<PrefilterOptions> chains;
   for (const double roughness : settings.roughness)
     chains.push_back({.size = settings.size, .mips = 1, .roughness = {roughness}});
   if (chains.empty()) chains.push_back({.size = settings.size});
   for (const PrefilterOptions& chain : chains) {
     if (settings.face > 0) {
-      add_rows(table, picture, to_cubemap(picture.image.view(), settings.face).view(), chain, settings);
+      add_rows(table, image, to_cubemap(image.image.view(), settings.face).view(), chain, settings);
     } else {
-      add_rows(table, picture, picture.image.view(), chain, settings);
+      add_rows(table, image, image.image.view(), chain, settings);
     }
   }
 }
@@ -128,7 +128,7 @@ std::string prefilter_error_tables(const Paths& words) {
   Table table({"environment", "method", "mip", "roughness", "bands", "bright texels", "rms error, %", "its estimate, %",
                "largest relative, %", "where truth / mean is", "least value", "ms"});
   if (arguments.has("--synthetic")) {
-    for (const Picture& picture : made_up_pictures(settings.width)) add_rows(table, picture, settings);
+    for (const Image& image : made_up_images(settings.width)) add_rows(table, image, settings);
   }
   for (const std::filesystem::path& file : arguments.files) {
     const Environment environment = read_environment(file);
@@ -144,7 +144,7 @@ std::string prefilter_error_tables(const Paths& words) {
 
 namespace {
 
-constexpr int kPictureSize = 64;
+constexpr int kImageSize = 64;
 constexpr int kAtATime = 100;  ///< environments from table to table
 
 std::string table_of(const test::EstimateTrials& trials) {
@@ -165,13 +165,13 @@ std::string estimate_table(const Paths& words) {
   test::RoughnessSpan of{0.02, 1.0};
   of.rms_error = arguments.value("--rms-error", of.rms_error);
   int count = 10'000;
-  std::vector<Cubemap> pictures;
+  std::vector<Cubemap> images;
   for (const std::filesystem::path& file : arguments.files) {
     const std::string word = file.string();
     if (word.find_first_not_of("0123456789") == std::string::npos) {
       count = std::atoi(word.c_str());
     } else {
-      pictures.push_back(to_cubemap(read_environment(file).view(), kPictureSize));
+      images.push_back(to_cubemap(read_environment(file).view(), kImageSize));
     }
   }
   test::EstimateTrials trials;
@@ -179,9 +179,9 @@ std::string estimate_table(const Paths& words) {
   for (int done = 0; done < count;) {
     const int some = std::min(kAtATime, count - done);
     const auto first = seed + static_cast<std::uint32_t>(done);
-    test::add_estimate_trials(first, some / 2, of, pictures, trials);
+    test::add_estimate_trials(first, some / 2, of, images, trials);
     test::add_family_trials(first + static_cast<std::uint32_t>(some / 2), some - some / 2, of, true, trials);
-    refused += test::add_lobe_trials(first, some / 2, pictures, trials);
+    refused += test::add_lobe_trials(first, some / 2, images, trials);
     done += some;
     if (done < count) std::fprintf(stderr, "%d environments\n%s\n", done, table_of(trials).c_str());
   }

@@ -46,7 +46,7 @@ struct Cached {
   Cached& operator=(const Cached&) = delete;
 };
 
-using Change = void (*)(LatLongImage& picture, BakeOptions& options);
+using Change = void (*)(LatLongImage& image, BakeOptions& options);
 
 /// Bakes by a cache, each time after a change. Without one the bake is found: a first call, which is not timed, keeps
 /// it.
@@ -54,28 +54,28 @@ void add_cached(const std::string& variant, bool on_disk, Change change) {
   add(variant, false, [=]() -> Body {
     const auto* const noise = static_cast<const float*>(source().pixels);
     const std::ptrdiff_t count = std::ptrdiff_t{3} * kWidth * kHeight;
-    auto picture = std::make_shared<LatLongImage>(LatLongImage{kWidth, kHeight, {noise, noise + count}});
+    auto image = std::make_shared<LatLongImage>(LatLongImage{kWidth, kHeight, {noise, noise + count}});
     auto options = std::make_shared<BakeOptions>(whole_bake());
     auto cached = std::make_shared<Cached>(variant, on_disk);
     return [=] {
-      change(*picture, *options);
-      benchmark::DoNotOptimize(cached->cache.bake(picture->view(), *options));
+      change(*image, *options);
+      benchmark::DoNotOptimize(cached->cache.bake(image->view(), *options));
     };
   });
 }
 
 void add_bakes_and_hashes() {
-  const Change other_picture = [](LatLongImage& picture, BakeOptions&) { picture.pixels.front() += 1.0F; };
+  const Change other_image = [](LatLongImage& image, BakeOptions&) { image.pixels.front() += 1.0F; };
   const Change other_mip = [](LatLongImage&, BakeOptions& options) { options.specular->roughness.back() -= 1e-6; };
   const Change none = [](LatLongImage&, BakeOptions&) {};
   add("bake-computed", false,
-      []() -> Body { return [picture = source()] { benchmark::DoNotOptimize(bake(picture, whole_bake())); }; });
-  add_cached("bake-first-in-memory", false, other_picture);
-  add_cached("bake-first-on-disk", true, other_picture);
+      []() -> Body { return [image = source()] { benchmark::DoNotOptimize(bake(image, whole_bake())); }; });
+  add_cached("bake-first-in-memory", false, other_image);
+  add_cached("bake-first-on-disk", true, other_image);
   add_cached("bake-found-in-memory", false, none);
   add_cached("bake-found-on-disk", true, none);
   add_cached("bake-last-mip-changed", false, other_mip);
-  add("hash", false, []() -> Body { return [picture = source()] { benchmark::DoNotOptimize(hash_pixels(picture)); }; });
+  add("hash", false, []() -> Body { return [image = source()] { benchmark::DoNotOptimize(hash_pixels(image)); }; });
 }
 
 void add_cubemaps() {

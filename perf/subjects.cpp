@@ -136,9 +136,9 @@ void add_benchmark(const std::string& subject, const std::string& variant, const
   }
 }
 
-std::shared_ptr<const LatLongImage> sky_picture(const SkyPictureOptions& options) {
+std::shared_ptr<const LatLongImage> sky_image(const SkyImageOptions& options) {
   static std::shared_ptr<const LatLongImage> kept;
-  static SkyPictureOptions kept_options;
+  static SkyImageOptions kept_options;
   if (kept && kept_options == options) return kept;
   const int width = options.width;
   const int height = width / 2;

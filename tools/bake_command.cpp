@@ -59,7 +59,7 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
 /// `library_options`.
 std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::vector<std::string> names = {kManifestName};
-  if (!options.picture_name.empty()) names.push_back(options.picture_name);
+  if (!options.image_name.empty()) names.push_back(options.image_name);
   for (const OutputFile& file : options.files) {
     for (const std::string& each : names_of(file, levels_of(file.content, options, bake))) names.push_back(each);
   }

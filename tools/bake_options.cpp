@@ -193,7 +193,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
              {.bounds = finite_between(1e-6, 1.0)});
 }
 
-/// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
+/// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all images, has at most this
 /// rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan 2001,
 /// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it.
 int bands_within(double rms_error) {

@@ -68,8 +68,8 @@ struct BakeCommandOptions {
   CommonOptions common;
   std::optional<std::string> input;  ///< none: what `compute` makes
   bool sky = false;                  ///< `--sky`; the command wants either this or an input
-  ComputePicture compute;            ///< none: the built-in sky
-  std::string picture_name;          ///< the file in the folder that keeps what was computed; empty: none does
+  ComputeImage compute;              ///< none: the built-in sky
+  std::string image_name;            ///< the file in the folder that keeps what was computed; empty: none does
   std::string directory;
   std::string called;  ///< what files call the input; then they do not depend on its name, nor on the time
   GivenOptions asked;  ///< what says what comes out, for caches

@@ -87,12 +87,12 @@ struct Light {
 
 }  // namespace
 
-double share_beyond(const LatLongView& picture, const glm::dvec3& largest) {
+double share_beyond(const LatLongView& image, const glm::dvec3& largest) {
   Light light;
-  const auto* rgb = static_cast<const float*>(picture.pixels);
-  for (int row = 0; row < picture.height; ++row) {
-    const double solid_angle = image::lat_long_texel_solid_angle(picture.width, picture.height, row);
-    for (int column = 0; column < picture.width; ++column, rgb += 3) light.add(rgb, solid_angle, largest);
+  const auto* rgb = static_cast<const float*>(image.pixels);
+  for (int row = 0; row < image.height; ++row) {
+    const double solid_angle = image::lat_long_texel_solid_angle(image.width, image.height, row);
+    for (int column = 0; column < image.width; ++column, rgb += 3) light.add(rgb, solid_angle, largest);
   }
   return light.share();
 }

@@ -49,8 +49,8 @@ Json details_of(const Subject& cubemap, const Job& job) {
   return details;
 }
 
-Json details_of(const LatLongImage& picture) {
-  return {{"width", picture.width}, {"height", picture.height}, {"unit", "radiance"}};
+Json details_of(const LatLongImage& image) {
+  return {{"width", image.width}, {"height", image.height}, {"unit", "radiance"}};
 }
 
 constexpr const char* kWithoutSun = "--extract-sun makes the sun a separate light";
@@ -110,7 +110,7 @@ std::string format_text(const OutputFile& file) {
   return text;
 }
 
-/// Notes how much light a format's limit takes from a picture or the first level of a chain, and what keeps it.
+/// Notes how much light a format's limit takes from an image or the first level of a chain, and what keeps it.
 template <class View>
 WrittenFile with_loss(WrittenFile file, const View& view, const glm::dvec3& largest, std::string remedy) {
   if (file.values_clamped == 0) return file;
@@ -170,22 +170,22 @@ void write_cubemap(const Subject& cubemap, const Job& job) {
   }
 }
 
-/// The environment as a lat-long, which is the same picture for all engines.
-void write_lat_longs(const LatLongImage& picture, const Job& job) {
+/// The environment as a lat-long, which is the same image for all engines.
+void write_lat_longs(const LatLongImage& image, const Job& job) {
   for (const OutputFile& file : files_with(Content::lat_long, job.options.files)) {
     const bool is_exr = file.container == Container::exr;
     const bool floats = is_exr && file.format == TexelFormat::rgba32f;
     WriteOptions options;
     if (floats) options.type = SampleType::float32;
     const WriteReport report =
-        write_environment(job.folder.place(file.name), picture.view(), options, {job.control.stop, {}});
+        write_environment(job.folder.place(file.name), image.view(), options, {job.control.stop, {}});
     const char* const format = floats                             ? "OpenEXR float"
                                : is_exr                           ? "OpenEXR half"
                                : file.container == Container::hdr ? "Radiance RGBE"
                                                                   : "PFM";
-    const WrittenFile written{file.name,           "the environment as a lat-long", format,
-                              details_of(picture), report.values_clamped,           range_of(file)};
-    job.folder.add(is_exr ? with_loss(written, picture.view(), largest_of(file.format), remedy_for(file, job.options))
+    const WrittenFile written{file.name,         "the environment as a lat-long", format,
+                              details_of(image), report.values_clamped,           range_of(file)};
+    job.folder.add(is_exr ? with_loss(written, image.view(), largest_of(file.format), remedy_for(file, job.options))
                           : written);
   }
 }
@@ -250,13 +250,13 @@ void write_readme(const Job& job) {
 }
 
 /// What was computed, to the last bit: baked again it gives the same files.
-void write_computed(const LatLongImage& picture, const Job& job) {
-  if (picture.width == 0) return;
+void write_computed(const LatLongImage& image, const Job& job) {
+  if (image.width == 0) return;
   WriteOptions options;
   options.type = SampleType::float32;
-  const std::string& file = job.options.picture_name;
-  write_environment(job.folder.place(file), picture.view(), options, {job.control.stop, {}});
-  job.folder.add({file, "the source as a lat-long", "OpenEXR float", details_of(picture)});
+  const std::string& file = job.options.image_name;
+  write_environment(job.folder.place(file), image.view(), options, {job.control.stop, {}});
+  job.folder.add({file, "the source as a lat-long", "OpenEXR float", details_of(image)});
 }
 
 void turn_to_engine(BakeResult& light, const glm::dmat3& symmetry, const Control& control) {
@@ -288,29 +288,28 @@ void write_octahedral_maps(const BakeResult& light, const Job& job) {
 }
 
 /// Three channels, the third one 0 where the table has two.
-LatLongImage picture_of(const BrdfTable& table) {
-  LatLongImage picture{table.options.width, table.options.height, {}};
+LatLongImage image_of(const BrdfTable& table) {
+  LatLongImage image{table.options.width, table.options.height, {}};
   const auto channels = static_cast<std::size_t>(table.channels);
   for (std::size_t at = 0; at < table.values.size(); at += channels) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      picture.pixels.push_back(channel < channels ? table.values[at + channel] : 0.0F);
+      image.pixels.push_back(channel < channels ? table.values[at + channel] : 0.0F);
     }
   }
-  return picture;
+  return image;
 }
 
-/// Writes the table in each container that was asked for and that can hold a plain picture.
+/// Writes the table in each container that was asked for and that can hold a plain image.
 void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, OutputFolder& folder,
                 const Control& control) {
-  const LatLongImage picture = picture_of(table);
+  const LatLongImage image = image_of(table);
   constexpr const char* kWhat = "BRDF table: columns along N.V, rows along roughness, smoothest first";
-  const Json details = {
-      {"width", picture.width}, {"height", picture.height}, {"channels", brdf_channels(table.options)}};
+  const Json details = {{"width", image.width}, {"height", image.height}, {"channels", brdf_channels(table.options)}};
   for (const OutputFile& file : files_with(Content::brdf, options.files)) {
     if (file.container == Container::pfm) {
       WriteOptions write;
-      write.layout = Layout::lat_long;  // a plain picture, to a PFM
-      write_environment(folder.place(file.name), picture.view(), write, {control.stop, {}});
+      write.layout = Layout::lat_long;  // a plain image, to a PFM
+      write_environment(folder.place(file.name), image.view(), write, {control.stop, {}});
       folder.add({file.name, kWhat, "PFM", details});
       continue;
     }
@@ -318,7 +317,7 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
     texture.format = file.format;
     texture.supercompression = file.supercompression;
     if (file.container == Container::ktx2) texture.metadata = {{"welkin.content", name(file.content)}};
-    write_texture_2d(folder.place(file.name), picture.width, picture.height, picture.pixels.data(), texture,
+    write_texture_2d(folder.place(file.name), image.width, image.height, image.pixels.data(), texture,
                      {control.stop, {}});
     folder.add({file.name, kWhat, format_text(file), details});
   }
@@ -438,8 +437,8 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
                                        const std::filesystem::path& folder, const Control& control) {
   const PreviewOptions how{tone_map_of(baked, options), options.preview_size};
   std::vector<WrittenFile> files;
-  for (const WrittenPreview& picture : write_previews(baked.light, how, folder, control)) {
-    files.push_back({picture.name, picture.what, "PNG", {{"width", picture.width}, {"height", picture.height}}});
+  for (const WrittenPreview& image : write_previews(baked.light, how, folder, control)) {
+    files.push_back({image.name, image.what, "PNG", {{"width", image.width}, {"height", image.height}}});
   }
   if (options.preview_page && baked.light.specular) {
     write_preview_page(baked.light, how.tone_map, folder / kPreviewPage, control);
@@ -453,7 +452,7 @@ void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& 
   BakeResult& light = baked.light;
   const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
   const glm::dmat3 symmetry = face_rotation(options);
-  write_computed(baked.picture, job);
+  write_computed(baked.image, job);
   if (baked.lat_long.width > 0) {
     write_lat_longs(baked.lat_long, job);
     write_usd_stages(job);
@@ -541,7 +540,7 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   };
   begin_stage("write");
   if (face_rotation(options) == glm::dmat3(1.0)) {
-    // Side by side: a picture is packed by one thread, a file written by another.
+    // Side by side: an image is packed by one thread, a file written by another.
     const jobs::Placement where = jobs::Placement::arena;
     jobs::run_tiles(2, where, jobs::worker_count(where), {control.stop, {}},
                     [&](std::size_t index, std::size_t) { index == 0 ? draw() : write(); });

@@ -33,7 +33,7 @@ class BakeSource {
   [[nodiscard]] const std::optional<Sun>& sun() const noexcept { return sun_; }
   [[nodiscard]] const std::optional<SkyReport>& sky() const noexcept { return sky_; }  ///< of a computed one
   /// What was computed, if it is to be kept.
-  [[nodiscard]] LatLongImage take_picture() noexcept { return std::move(picture_); }
+  [[nodiscard]] LatLongImage take_image() noexcept { return std::move(image_); }
   /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
   /// taken out, clamped or decoded: then the pixels alone tell.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
@@ -50,7 +50,7 @@ class BakeSource {
   Pixels pixels_;                    // or what was made of it
   Source description_;
   std::optional<SkyReport> sky_;
-  LatLongImage picture_;
+  LatLongImage image_;
   std::optional<Sun> sun_;
   std::optional<Projection> stored_light_;
 };
@@ -85,17 +85,17 @@ BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control
 
 std::uint64_t BakeSource::bytes() const noexcept {
   if (file_) return values_of(*file_).size_bytes();
-  return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + picture_.pixels.size());
+  return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + image_.pixels.size());
 }
 
 void BakeSource::read(const BakeCommandOptions& options, const Control& control) {
   if (!options.input) {
-    ComputedPicture computed = options.compute ? options.compute(control) : built_in_sky(control);
+    ComputedImage computed = options.compute ? options.compute(control) : built_in_sky(control);
     pixels_.lat_long = std::move(computed.image);
     description_ = std::move(computed.source);
     sky_ = std::move(computed.sky);
     sun_ = computed.sun;
-    if (!options.picture_name.empty()) picture_ = pixels_.lat_long;
+    if (!options.image_name.empty()) image_ = pixels_.lat_long;
     return;
   }
   file_ = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
@@ -107,7 +107,7 @@ void BakeSource::orient(const BakeCommandOptions& options, const Control& contro
   OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
   if (sun_) sun_->direction = light_rotation(into_welkin, is_cubemap()) * sun_->direction;
-  const glm::dmat3 matrix = picture_rotation(into_welkin, is_cubemap(), is_cubemap());
+  const glm::dmat3 matrix = image_rotation(into_welkin, is_cubemap(), is_cubemap());
   if (matrix == glm::dmat3(1.0)) return;
   if (stored_light_) {
     SphericalHarmonics& radiance = stored_light_->radiance;
@@ -262,10 +262,8 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
   const int mips = full_chain_levels(specular.size);
   env.size = 1 << (mips - 1);  // the largest power of two that is not above it
   env.mips = mips;
-  env.roughness = mip_roughness(RoughnessSchedule::babylon, mips, env.size);
   env.lobe_roughness.clear();
-  if (options.fit_lookups.value_or(true))
-    env.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::babylon, mips, env.size);
+  env.use_schedule(RoughnessSchedule::babylon, options.fit_lookups.value_or(true));
   return env;
 }
 
@@ -364,8 +362,7 @@ bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
-  return picture_rotation(into_welkin, true, true) == identity &&
-         picture_rotation(into_welkin, false, false) == identity;
+  return image_rotation(into_welkin, true, true) == identity && image_rotation(into_welkin, false, false) == identity;
 }
 
 void explain(const BakeCommandOptions& options, const Plan& plan) {
@@ -525,7 +522,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
       return lat_long_of(source.view(), options, baked.whole, {control.stop, {}});
     });
   }
-  baked.picture = source.take_picture();
+  baked.image = source.take_image();
   if (work.env.wanted) baked.env_mips = baked.env ? baked.env->mips : baked.light.specular->mips;
 }
 

@@ -24,7 +24,7 @@ struct LobeChain {
 struct Baked {
   Source source;
   std::optional<SkyReport> sky;  ///< of a computed one
-  LatLongImage picture;          ///< of it, if it is to be kept
+  LatLongImage image;            ///< of it, if it is to be kept
   LatLongImage lat_long;         ///< of files with one: the source, sanitized, at the size that was asked for
   bool sun_wanted = false;       ///< it was to be taken out, or was never in the pixels
   std::optional<Sun> sun;
@@ -109,7 +109,7 @@ struct Prediction {
 
 /// Returns the light that a clamp at `largest` takes away as a share of all luminance, by solid angle; 0 if there is no
 /// light. Pixels are RGB floats; negative values count as no light.
-[[nodiscard]] double share_beyond(const LatLongView& picture, const glm::dvec3& largest);
+[[nodiscard]] double share_beyond(const LatLongView& image, const glm::dvec3& largest);
 [[nodiscard]] double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest);
 
 }  // namespace welkin::tool

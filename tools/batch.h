@@ -47,7 +47,7 @@ struct BatchRequest {
 };
 
 /// Whether the name has the ending of a file that Welkin reads as an environment.
-[[nodiscard]] bool is_picture_name(const std::filesystem::path& path);
+[[nodiscard]] bool is_image_name(const std::filesystem::path& path);
 
 /// Whether the text has one of the signs of a pattern.
 [[nodiscard]] bool is_pattern(const std::string& text) noexcept;
@@ -56,7 +56,7 @@ struct BatchRequest {
 [[nodiscard]] Options job_options(BakeCommandOptions& bake);
 
 /// Reads every input's header. An input that cannot be read is a job with an error, unless it stands in `inputs` and is
-/// not there or is no picture. Throws `Error`: file_access for that, and if `file` is there and no plan, or cannot be;
+/// not there or is no image. Throws `Error`: file_access for that, and if `file` is there and no plan, or cannot be;
 /// invalid_argument for options that `welkin bake` would refuse, for a pattern without a match and if there is nothing
 /// to do; what reading the list does (`for_each_line`).
 [[nodiscard]] BatchPlan plan_batch(const BatchRequest& request, const std::filesystem::path& file);

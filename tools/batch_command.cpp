@@ -139,7 +139,7 @@ Options batch_options(BatchCommandOptions& options) {
   action.hint = [](const std::string& word) {
     std::error_code unknown;
     const std::filesystem::path path = platform::path_of(word);
-    const bool is_input = std::filesystem::exists(path, unknown) || is_pattern(word) || is_picture_name(path);
+    const bool is_input = std::filesystem::exists(path, unknown) || is_pattern(word) || is_image_name(path);
     return is_input ? "; did you mean 'welkin batch plan " + word + "'?" : std::string();
   };
   table.push_back(std::move(action));

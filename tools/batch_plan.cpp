@@ -58,9 +58,9 @@ bool fits(std::string_view path, std::string_view pattern) noexcept {
   return (same || (goes_on && pattern.front() == '?')) && fits(path.substr(1), pattern.substr(1));
 }
 
-/// Adds the pictures in a folder and in those below it, but for hidden ones and those that a bake has made. Links to
+/// Adds the images in a folder and in those below it, but for hidden ones and those that a bake has made. Links to
 /// folders are not followed: they might lead back.
-void add_pictures(const fs::path& folder, std::size_t depth, std::vector<fs::path>& found) {
+void add_images(const fs::path& folder, std::size_t depth, std::vector<fs::path>& found) {
   std::error_code trouble;
   std::error_code unknown;
   for (fs::directory_iterator at(folder.empty() ? "." : folder, trouble), end; !trouble && at != end;
@@ -68,8 +68,8 @@ void add_pictures(const fs::path& folder, std::size_t depth, std::vector<fs::pat
     const fs::path path = folder / at->path().filename();
     if (platform::utf8(path.filename()).starts_with('.')) continue;
     if (at->is_directory(unknown) && !at->is_symlink(unknown)) {
-      if (depth > 1 && !begins_with(path / kManifestName, "\"welkin\"")) add_pictures(path, depth - 1, found);
-    } else if (is_picture_name(path) && at->is_regular_file(unknown)) {
+      if (depth > 1 && !begins_with(path / kManifestName, "\"welkin\"")) add_images(path, depth - 1, found);
+    } else if (is_image_name(path) && at->is_regular_file(unknown)) {
       found.push_back(path);
     }
   }
@@ -80,15 +80,15 @@ void add_pictures(const fs::path& folder, std::size_t depth, std::vector<fs::pat
 
 constexpr std::size_t kAnyDepth = 1000;
 
-/// All pictures below a folder, in the order of their paths.
-std::vector<fs::path> pictures_below(const fs::path& folder, std::size_t depth = kAnyDepth) {
+/// All images below a folder, in the order of their paths.
+std::vector<fs::path> images_below(const fs::path& folder, std::size_t depth = kAnyDepth) {
   std::vector<fs::path> found;
-  add_pictures(folder, depth, found);
+  add_images(folder, depth, found);
   std::ranges::sort(found);
   return found;
 }
 
-std::vector<fs::path> pictures_that_fit(const std::string& named) {
+std::vector<fs::path> images_that_fit(const std::string& named) {
   fs::path folder;
   std::string pattern;
   std::size_t parts = 0;
@@ -102,7 +102,7 @@ std::vector<fs::path> pictures_that_fit(const std::string& named) {
   }
   std::error_code unknown;
   if (!folder.empty() && !fs::is_directory(folder, unknown)) return {};
-  std::vector<fs::path> found = pictures_below(folder, pattern.find("**") != std::string::npos ? kAnyDepth : parts);
+  std::vector<fs::path> found = images_below(folder, pattern.find("**") != std::string::npos ? kAnyDepth : parts);
   std::erase_if(found, [&](const fs::path& path) {
     return !fits(platform::generic_utf8(path.lexically_relative(folder.empty() ? "." : folder)), pattern);
   });
@@ -167,7 +167,7 @@ class Planner {
     if (!is_folder && (is_there || !is_pattern(word))) {
       return wishes_.push_back({.input = word, .options = options_, .typed = true});
     }
-    const std::vector<fs::path> files = is_folder ? pictures_below(path) : pictures_that_fit(word);
+    const std::vector<fs::path> files = is_folder ? images_below(path) : images_that_fit(word);
     if (files.empty()) {
       throw Error(ErrorCode::invalid_argument,
                   printable(word) + ": contains no images that Welkin reads; pass other files or folders");
@@ -289,11 +289,11 @@ class Planner {
     plan_.jobs.push_back(std::move(job));
   }
 
-  /// Returns the name, of a picture without its ending, with a number where another job has it.
+  /// Returns the name, of an image without its ending, with a number where another job has it.
   std::string unique_name(const Wish& wish) {
     const bool said = !wish.found && !wish.name.empty();
     std::string name = wish.name.empty() ? platform::utf8(platform::path_of(wish.input).filename()) : wish.name;
-    if (!said && is_picture_name(platform::path_of(name))) name.resize(name.rfind('.'));
+    if (!said && is_image_name(platform::path_of(name))) name.resize(name.rfind('.'));
     if (name.empty()) name = "input";
     std::string unique = name;
     while (!names_.emplace(unique, 2).second) unique = name + '-' + std::to_string(names_.at(name)++);
@@ -372,7 +372,7 @@ fs::path BatchPlan::default_results() const {
   return results.replace_extension(".results");
 }
 
-bool is_picture_name(const fs::path& path) {
+bool is_image_name(const fs::path& path) {
   constexpr std::array<const char*, 8> kEndings = {".exr", ".hdr", ".pfm", ".png", ".ktx2", ".ktx", ".dds", ".env"};
   const std::string ending = platform::utf8(path.extension());
   return std::ranges::any_of(kEndings, [&](const char* known) { return same_word(ending, known); });

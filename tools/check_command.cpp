@@ -212,8 +212,7 @@ void draw(const CheckOptions& options, const ChainFile& chain, const ChainCheck&
   constexpr int kGap = 8;
   constexpr double kBrighter = 4.0;
   const std::size_t mips = check.mips.size();
-  PreviewPicture picture(3 * (kWidth + kGap) - kGap, static_cast<int>(mips) * (kHeight + kGap) - kGap,
-                         glm::vec3(0.02F));
+  PreviewImage image(3 * (kWidth + kGap) - kGap, static_cast<int>(mips) * (kHeight + kGap) - kGap, glm::vec3(0.02F));
   glm::dvec3 mean(0.0);
   for (std::size_t mip = 0; mip < mips; ++mip) {
     const Cubemap truth = truth_of(check, check.mips[mip], source, options.pixels, control);
@@ -230,14 +229,14 @@ void draw(const CheckOptions& options, const ChainFile& chain, const ChainCheck&
         const glm::vec3 direction(image::lat_long_direction(kWidth, kHeight, column + 0.5, row + 0.5));
         const glm::vec3 a = made.at(direction, 0);
         const glm::vec3 b = wanted.at(direction, 0);
-        picture.set(column, top + row, tone_map(a));
-        picture.set(kWidth + kGap + column, top + row, tone_map(b));
-        picture.set(2 * (kWidth + kGap) + column, top + row, tone_map(static_cast<float>(kBrighter) * glm::abs(a - b)));
+        image.set(column, top + row, tone_map(a));
+        image.set(kWidth + kGap + column, top + row, tone_map(b));
+        image.set(2 * (kWidth + kGap) + column, top + row, tone_map(static_cast<float>(kBrighter) * glm::abs(a - b)));
       }
     }
-    picture.write("MIP " + std::to_string(mip), 40.0, top + kHeight - 12.0, 12.0);
+    image.write("MIP " + std::to_string(mip), 40.0, top + kHeight - 12.0, 12.0);
   }
-  picture.save(platform::path_of(options.image));
+  image.save(platform::path_of(options.image));
 }
 
 /// The text of a check, and the error that `--error` bounds.

@@ -209,12 +209,12 @@ std::string glb(const Json& document, std::string binary) {
 
 int octaves_of(int size) noexcept { return full_chain_levels(size) - 1; }
 
-/// Numbers of the pictures, six a mip.
-Json mips_json(std::size_t pictures) {
+/// Numbers of the rgbd, six a mip.
+Json mips_json(std::size_t rgbd) {
   Json mips = Json::array();
-  for (std::size_t first = 0; first < pictures; first += 6) {
+  for (std::size_t first = 0; first < rgbd; first += 6) {
     Json faces = Json::array();
-    for (std::size_t picture = first; picture < first + 6; ++picture) faces.push_back(picture);
+    for (std::size_t image = first; image < first + 6; ++image) faces.push_back(image);
     mips.push_back(faces);
   }
   return mips;
@@ -228,13 +228,13 @@ Json object_of(const char* name, const Json& content) {
 }
 
 /// The extension's object at the root of the document.
-Json lights_json(int size, std::size_t pictures, const std::array<glm::dvec3, 9>& coefficients) {
+Json lights_json(int size, std::size_t rgbd, const std::array<glm::dvec3, 9>& coefficients) {
   Json light = {{"name", "environment"},
                 {"intensity", 1.0},
                 {"rotation", Json::array({0.0, 0.0, 0.0, 1.0})},
                 {"irradianceCoefficients", json_list(coefficients, json_triple)},
                 {"specularImageSize", size},
-                {"specularImages", mips_json(pictures)}};
+                {"specularImages", mips_json(rgbd)}};
   return object_of("lights", Json::array({light}));
 }
 
@@ -269,11 +269,11 @@ std::vector<double> gltf_light_roughness(int size, int mips) {
 GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control) {
   // The loader looks faces up, too, in Babylon.js's axes, whose x is glTF's -x.
   const Cubemap faces = mirrored_x(rotate(specular, faces_of(Engine::gltf), control));
-  const RgbdPictures pictures = rgbd_pictures(faces, control);
+  const RgbdImages rgbd = rgbd_images(faces, control);
   std::string binary;
   Json views = Json::array();
   Json images = Json::array();
-  for (const std::vector<std::uint8_t>& png : pictures.png) {
+  for (const std::vector<std::uint8_t>& png : rgbd.png) {
     pad(binary, '\0');
     images.push_back({{"bufferView", images.size()}, {"mimeType", "image/png"}});
     views.push_back({{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", png.size()}});
@@ -283,14 +283,14 @@ GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance
   const Json scene = object_of("extensions", object_of(kExtension, object_of("light", 0)));
   const Json document = {{"asset", {{"version", "2.0"}, {"generator", std::string("Welkin ") + WELKIN_VERSION_STRING}}},
                          {"extensionsUsed", Json::array({kExtension})},
-                         {"extensions", object_of(kExtension, lights_json(faces.size(), pictures.png.size(),
+                         {"extensions", object_of(kExtension, lights_json(faces.size(), rgbd.png.size(),
                                                                           gltf_light_coefficients(radiance)))},
                          {"scene", 0},
                          {"scenes", Json::array({scene})},
                          {"images", images},
                          {"bufferViews", views},
                          {"buffers", Json::array({object_of("byteLength", binary.size())})}};
-  return {glb(document, std::move(binary)), pictures.values_clamped};
+  return {glb(document, std::move(binary)), rgbd.values_clamped};
 }
 
 namespace {
@@ -338,8 +338,7 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
   // they are to hold what lies at their centres: those of a finer result.
   int finer = 1;
   while (filter == ResampleFilter::bilinear && finer * width < 4 * source.size) finer += 2;
-  const LatLongImage picture =
-      to_lat_long(source, finer * width, finer * height, dmat3(1.0), filter, {control.stop, {}});
+  const LatLongImage image = to_lat_long(source, finer * width, finer * height, dmat3(1.0), filter, {control.stop, {}});
   for (int row = 0; row < at.height; ++row) {
     const int wanted = row - seam;
     const bool is_beyond_pole = wanted < 0 || wanted >= height;
@@ -348,7 +347,7 @@ void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at
       const int around = column - seam + width + (is_beyond_pole ? width / 2 : 0);
       const auto texel = static_cast<std::size_t>(finer * from + finer / 2) * static_cast<std::size_t>(finer * width) +
                          static_cast<std::size_t>(finer * (around % width) + finer / 2);
-      put(picture.pixels.data() + 3 * texel, at.left + column, at.top + row, atlas);
+      put(image.pixels.data() + 3 * texel, at.left + column, at.top + row, atlas);
     }
   }
 }

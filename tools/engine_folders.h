@@ -56,8 +56,8 @@ struct GltfLight {
   std::uint64_t values_clamped = 0;  ///< by RGBD, which ends at 255
 };
 
-/// The file: one scene, which refers to one light of intensity 1, and its pictures. `specular` and `radiance` in
-/// Welkin's axes, the chain with `gltf_light_roughness`. Throws `Error`: as `rgbd_pictures`.
+/// The file: one scene, which refers to one light of intensity 1, and its images. `specular` and `radiance` in
+/// Welkin's axes, the chain with `gltf_light_roughness`. Throws `Error`: as `rgbd_images`.
 [[nodiscard]] GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control);
 
 // PlayCanvas' envAtlas: sharp and rough reflections and diffuse light as lat-longs on one square image.

@@ -313,10 +313,10 @@ glm::dmat3 faces_matrix(const Convention& engine) {
   return *engine.faces_from_engine;
 }
 
-// From Welkin's axes to where a picture in the engine's convention holds a direction. A lat-long is the same picture
+// From Welkin's axes to where an image in the engine's convention holds a direction. A lat-long is the same image
 // for all of them: they differ in which of their axes its centre is, and from_welkin is just that. Cube faces are
 // named after the engine's axes.
-glm::dmat3 into_picture(Engine engine, bool cubemap) {
+glm::dmat3 into_image(Engine engine, bool cubemap) {
   const Convention& of = convention(engine);
   return cubemap ? faces_matrix(of) * of.from_welkin : glm::dmat3(1.0);
 }
@@ -324,7 +324,7 @@ glm::dmat3 into_picture(Engine engine, bool cubemap) {
 // Between what the file holds and what the result will, in Welkin's axes.
 glm::dmat3 turn_in_welkin(const OrientationOptions& options, bool source_is_cubemap) {
   // Orthogonal: the transpose is the inverse.
-  glm::dmat3 rotation = glm::transpose(into_picture(options.from, source_is_cubemap));
+  glm::dmat3 rotation = glm::transpose(into_image(options.from, source_is_cubemap));
   if (options.mirror) rotation = glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1) * rotation;
   return rotation_about_y(options.yaw_degrees) * glm::mat3_cast(options.rotation) * rotation;
 }
@@ -367,8 +367,8 @@ glm::dmat3 light_rotation(const OrientationOptions& options, bool source_is_cube
   return tidied(convention(options.to).from_welkin * turn_in_welkin(options, source_is_cubemap));
 }
 
-glm::dmat3 picture_rotation(const OrientationOptions& options, bool source_is_cubemap, bool result_is_cubemap) {
-  return tidied(into_picture(options.to, result_is_cubemap) * turn_in_welkin(options, source_is_cubemap));
+glm::dmat3 image_rotation(const OrientationOptions& options, bool source_is_cubemap, bool result_is_cubemap) {
+  return tidied(into_image(options.to, result_is_cubemap) * turn_in_welkin(options, source_is_cubemap));
 }
 
 std::string axes_text(const OrientationOptions& options) {
@@ -379,7 +379,7 @@ std::string axes_text(const OrientationOptions& options) {
 glm::dmat3 faces_of(Engine engine) {
   OrientationOptions options;
   options.to = engine;
-  return picture_rotation(options, false, true);
+  return image_rotation(options, false, true);
 }
 
 Cubemap rotate(const Cubemap& chain, const glm::dmat3& symmetry, const Control& control) {

@@ -178,10 +178,10 @@ void add_orientation_options(Options& table, OrientationOptions& options);
 /// turned by the quaternion and then about y, in Welkin's axes, and into the engine's. For coefficients and lights.
 [[nodiscard]] glm::dmat3 light_rotation(const OrientationOptions& options, bool source_is_cubemap);
 
-/// The same where the result is a picture, by the frames of LatLongView or CubemapView: a cubemap's faces are where
-/// the engine looks for them; a lat-long is the same picture for all engines.
-[[nodiscard]] glm::dmat3 picture_rotation(const OrientationOptions& options, bool source_is_cubemap,
-                                          bool result_is_cubemap);
+/// The same where the result is an image, by the frames of LatLongView or CubemapView: a cubemap's faces are where
+/// the engine looks for them; a lat-long is the same image for all engines.
+[[nodiscard]] glm::dmat3 image_rotation(const OrientationOptions& options, bool source_is_cubemap,
+                                        bool result_is_cubemap);
 
 /// The result's axes in words.
 [[nodiscard]] std::string axes_text(const OrientationOptions& options);

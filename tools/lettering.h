@@ -1,4 +1,4 @@
-// Labels in pictures: capitals, digits and + - . as strokes of a pen, drawn by their distance, at any size.
+// Labels in images: capitals, digits and + - . as strokes of a pen, drawn by their distance, at any size.
 #pragma once
 
 #include <string_view>

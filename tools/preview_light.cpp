@@ -147,7 +147,7 @@ const SrgbTables& srgb() {
 
 }  // namespace
 
-PreviewPicture::PreviewPicture(int width, int height, const glm::vec3& background)
+PreviewImage::PreviewImage(int width, int height, const glm::vec3& background)
     : width_(width),
       height_(height),
       bytes_(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
@@ -157,11 +157,11 @@ PreviewPicture::PreviewPicture(int width, int height, const glm::vec3& backgroun
   for (std::size_t i = 3; i < bytes_.size(); ++i) bytes_[i] = bytes_[i - 3];
 }
 
-std::size_t PreviewPicture::place(int column, int row) const noexcept {
+std::size_t PreviewImage::place(int column, int row) const noexcept {
   return 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column));
 }
 
-void PreviewPicture::set(int column, int row, const glm::vec3& rgb) {
+void PreviewImage::set(int column, int row, const glm::vec3& rgb) {
   std::uint8_t* const pixel = bytes_.data() + place(column, row);
   for (int c = 0; c < 3; ++c) {
     pixel[c] = codes_[static_cast<int>(std::clamp(rgb[c], 0.0F, 1.0F) * static_cast<float>(kSteps) + 0.5F)];
@@ -181,7 +181,7 @@ double label_width(std::string_view text, double height) noexcept {
   return 2.0 * label_half_width(text) * height / kLetter;
 }
 
-void PreviewPicture::write(std::string_view text, double x, double y, double height) {
+void PreviewImage::write(std::string_view text, double x, double y, double height) {
   const double unit = height / kLetter;  // pixels
   const double across = label_half_width(text) * unit + 2.0 * unit;
   const double down = 0.5 * height + 2.0 * unit;
@@ -203,7 +203,7 @@ void PreviewPicture::write(std::string_view text, double x, double y, double hei
   }
 }
 
-void PreviewPicture::save(const std::filesystem::path& path) const {
+void PreviewImage::save(const std::filesystem::path& path) const {
   platform::WholeFile file(path);
   files::write_png_quickly(file, bytes_, width_);
   file.finish();

@@ -1,4 +1,4 @@
-// Light to what a screen can show: exposure, curve, look-ups in cubemaps, pictures with labels; and pictures of what
+// Light to what a screen can show: exposure, curve, look-ups in cubemaps, images with labels; and images of what
 // was baked: the surroundings, the mips, spheres in that light.
 #pragma once
 
@@ -67,11 +67,11 @@ class CubeLookup {
   std::vector<CubemapView> levels_;
 };
 
-/// A picture of 8 bits a channel in sRGB.
-class PreviewPicture {
+/// An image of 8 bits a channel in sRGB.
+class PreviewImage {
  public:
   /// `background`: linear light, as in `set`.
-  PreviewPicture(int width, int height, const glm::vec3& background);
+  PreviewImage(int width, int height, const glm::vec3& background);
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
@@ -104,7 +104,7 @@ struct PreviewOptions {
   int sphere = 256;  ///< pixels across one
 };
 
-/// A picture that was written.
+/// An image that was written.
 struct WrittenPreview {
   const char* name;
   const char* what;

@@ -1,4 +1,4 @@
-// Pictures for people: the surroundings, the mips, spheres lit by what was baked.
+// Images for people: the surroundings, the mips, spheres lit by what was baked.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -41,7 +41,7 @@ int nearest_level(const CubeLookup& cube, const Panorama& place) {
   return static_cast<int>(cube.level_for(place.pixel_radians()) + 0.5);
 }
 
-void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, const ToneMap& tone_map,
+void draw_panorama(PreviewImage& image, const CubeLookup& cube, int level, const ToneMap& tone_map,
                    const Panorama& place, const Control& control) {
   const int width = 2 * place.height;
   std::vector<glm::dvec3> around;  // level directions: along a row only the azimuth changes
@@ -55,7 +55,7 @@ void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, c
     for (int column = 0; column < width; ++column) {
       const glm::dvec3& towards = around[static_cast<std::size_t>(column)];
       const glm::vec3 radiance = cube.at(glm::vec3(across * towards.x, up.y, across * towards.z), level);
-      picture.set(place.left + column, place.top + row, tone_map(radiance));
+      image.set(place.left + column, place.top + row, tone_map(radiance));
     }
   });
 }
@@ -63,45 +63,45 @@ void draw_panorama(PreviewPicture& picture, const CubeLookup& cube, int level, c
 /// The surroundings as a lat-long, twice as wide as high, as who stands there sees them: +z in the middle, +x to the
 /// left of it. (A cubemap's own faces look mirrored: docs/explanation/orientation.md says why.) The axes are written at
 /// the foot.
-PreviewPicture preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
-                                   const Control& control) {
-  PreviewPicture picture(2 * height, height, kGround);
+PreviewImage preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
+                                 const Control& control) {
+  PreviewImage image(2 * height, height, kGround);
   const Panorama whole{0, 0, height};
-  draw_panorama(picture, environment, nearest_level(environment, whole), tone_map, whole, control);
+  draw_panorama(image, environment, nearest_level(environment, whole), tone_map, whole, control);
   const double letters = std::max(8.0, height / 40.0);
   for (const auto& [axis, share] : {std::pair{"+X", 0.25}, std::pair{"+Z", 0.5}, std::pair{"-X", 0.75}}) {
-    picture.write(axis, share * picture.width(), height - 1.4 * letters, letters);
+    image.write(axis, share * image.width(), height - 1.4 * letters, letters);
   }
-  picture.write("-Z", 1.8 * letters, height - 1.4 * letters, letters);
-  return picture;
+  image.write("-Z", 1.8 * letters, height - 1.4 * letters, letters);
+  return image;
 }
 
 /// Every mip as a lat-long of its own, all of one size, side by side from the sharpest to the roughest, with its
 /// roughness written on it. A texel is spread over many pixels as a graphics card spreads it, so that seams would show.
 /// `light` must have its specular chain; `height` is that of each.
-PreviewPicture preview_mips(const BakeResult& light, const ToneMap& tone_map, int height, const Control& control) {
+PreviewImage preview_mips(const BakeResult& light, const ToneMap& tone_map, int height, const Control& control) {
   constexpr int kInARow = 3;
   const std::vector<MipRecord>& mips = light.specular->mips;
   const CubeLookup cube(light.specular->cubemap);
   const int gap = height / 16;
   const int columns = std::min(cube.levels(), kInARow);
   const int rows = (cube.levels() + kInARow - 1) / kInARow;
-  PreviewPicture picture(columns * (2 * height + gap) + gap, rows * (height + gap) + gap, kGround);
+  PreviewImage image(columns * (2 * height + gap) + gap, rows * (height + gap) + gap, kGround);
   const double letters = std::max(6.0, height / 16.0);
   for (int level = 0; level < cube.levels(); ++level) {
     const Panorama place{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
     const double roughness = mips[static_cast<std::size_t>(level)].roughness;
-    if (roughness == 0.0 && light.background) {  // finer than the picture
+    if (roughness == 0.0 && light.background) {  // finer than the image
       const CubeLookup sharp(*light.background);
-      draw_panorama(picture, sharp, nearest_level(sharp, place), tone_map, place, control);
+      draw_panorama(image, sharp, nearest_level(sharp, place), tone_map, place, control);
     } else {
-      draw_panorama(picture, cube, level, tone_map, place, control);
+      draw_panorama(image, cube, level, tone_map, place, control);
     }
     const std::string label = "MIP " + std::to_string(level) + "  ROUGHNESS " + significant(roughness, 2);
-    picture.write(label, place.left + letters + 0.5 * label_width(label, letters),
-                  place.top + place.height - 1.2 * letters, letters);
+    image.write(label, place.left + letters + 0.5 * label_width(label, letters),
+                place.top + place.height - 1.2 * letters, letters);
   }
-  return picture;
+  return image;
 }
 
 /// What the spheres of a row are made of.
@@ -113,7 +113,7 @@ struct PreviewMaterial {
   [[nodiscard]] bool is_metal() const noexcept { return diffuse_albedo == glm::dvec3(0.0); }
 };
 
-/// Rows of the picture of spheres, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
+/// Rows of the image of spheres, from top to bottom. f0 of the metal: Lagarde, "Feeding a physically based shading
 /// model" (2011).
 constexpr std::array<PreviewMaterial, 2> kMaterials = {
     {{"METAL", {0.972, 0.960, 0.915}, {0.0, 0.0, 0.0}}, {"DIELECTRIC", {0.04, 0.04, 0.04}, {0.30, 0.30, 0.30}}}};
@@ -233,7 +233,7 @@ struct Grid {
 struct Sphere {
   const PreviewMaterial& material;
   SpecularAlbedo albedo;
-  int top;  ///< the picture's row in which row 0 of the sphere's cell lies
+  int top;  ///< the image's row in which row 0 of the sphere's cell lies
 };
 
 /// Spheres of one roughness, one below the other: they reflect the same, of which each material takes its share.
@@ -245,14 +245,13 @@ struct SphereColumn {
 };
 
 /// The pixels of one row that the spheres of a column cover, some only in part: an edge is as soft as a pixel.
-void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& light, const ToneMap& tone_map,
-              int row) {
+void draw_row(PreviewImage& image, const SphereColumn& column, const Light& light, const ToneMap& tone_map, int row) {
   const double down = row + 0.5 - column.centre.y;
   const double reach = column.radius + 0.5;
   if (std::abs(down) >= reach) return;
   const double half = std::sqrt(reach * reach - down * down);
   const int first = std::max(0, static_cast<int>(std::floor(column.centre.x - half)));
-  const int last = std::min(picture.width() - 1, static_cast<int>(column.centre.x + half));
+  const int last = std::min(image.width() - 1, static_cast<int>(column.centre.x + half));
   for (int x = first; x <= last; ++x) {
     const double across = x + 0.5 - column.centre.x;
     const double away = std::sqrt(across * across + down * down);
@@ -266,7 +265,7 @@ void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& 
     const glm::vec3 reflected = light.reflection(normal, column.mip);
     for (const Sphere& sphere : column.spheres) {
       const glm::vec3 seen(tone_map(light.sphere(sphere.material, sphere.albedo, normal, reflected)));
-      picture.set(x, sphere.top + row, kGround + (seen - kGround) * static_cast<float>(covered));
+      image.set(x, sphere.top + row, kGround + (seen - kGround) * static_cast<float>(covered));
     }
   }
 }
@@ -277,9 +276,9 @@ void draw_row(PreviewPicture& picture, const SphereColumn& column, const Light& 
 /// A sphere shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
 /// without a table), and if it is no metal also (1 - A) albedo irradiance(normal) / pi. Without an irradiance cubemap
 /// there are metals alone. `light` must have its specular chain; its background, if there is one, stands in for a sharp
-/// mip 0 where the picture is coarser than that. `sphere`: pixels across one; they lie 9/8 of that apart, and the
+/// mip 0 where the image is coarser than that. `sphere`: pixels across one; they lie 9/8 of that apart, and the
 /// labels take another 1/8 above and a half on the left.
-PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
+PreviewImage preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
   const Light lit(light, sphere);
   const Grid grid{sphere};
   std::vector<const PreviewMaterial*> rows;
@@ -294,30 +293,30 @@ PreviewPicture preview_spheres(const BakeResult& light, const ToneMap& tone_map,
                                         static_cast<int>(row) * grid.row_height()});
     }
   }
-  PreviewPicture picture(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
-                         static_cast<int>(rows.size()) * grid.row_height(), kGround);
-  for_rows(grid.row_height(), picture.width() * static_cast<int>(rows.size()), control, [&](int row) {
-    for (const SphereColumn& column : columns) draw_row(picture, column, lit, tone_map, row);
+  PreviewImage image(static_cast<int>(columns.size()) * grid.pitch() + 2 * grid.left(),
+                     static_cast<int>(rows.size()) * grid.row_height(), kGround);
+  for_rows(grid.row_height(), image.width() * static_cast<int>(rows.size()), control, [&](int row) {
+    for (const SphereColumn& column : columns) draw_row(image, column, lit, tone_map, row);
   });
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < columns.size(); ++column) {
       const glm::dvec2 centre = grid.centre(static_cast<int>(column), static_cast<int>(row));
       const std::string label = std::string(rows[row]->name) + ' ' + significant(kRoughness[column], 2);
-      picture.write(label, centre.x, centre.y + 0.5 * sphere + 1.8 * grid.letters(), grid.letters());
+      image.write(label, centre.x, centre.y + 0.5 * sphere + 1.8 * grid.letters(), grid.letters());
     }
   }
-  return picture;
+  return image;
 }
 
 constexpr int kPanoramaHeight = 512;
 constexpr int kMipHeight = 160;
 
-using Drawing = std::function<PreviewPicture()>;
+using Drawing = std::function<PreviewImage()>;
 
 WrittenPreview written(const char* name, const char* what, const Drawing& draw, const std::filesystem::path& folder) {
-  const PreviewPicture picture = draw();
-  picture.save(folder / name);
-  return {name, what, picture.width(), picture.height()};
+  const PreviewImage image = draw();
+  image.save(folder / name);
+  return {name, what, image.width(), image.height()};
 }
 
 }  // namespace
@@ -341,11 +340,11 @@ std::vector<WrittenPreview> write_previews(const BakeResult& light, const Previe
         [&] { return preview_mips(light, options.tone_map, kMipHeight, control); });
   }
   // Side by side: while one is packed, another is drawn.
-  std::vector<WrittenPreview> pictures(work.size());
+  std::vector<WrittenPreview> images(work.size());
   const jobs::Placement where = jobs::Placement::arena;
   jobs::run_tiles(work.size(), where, jobs::worker_count(where), {control.stop, {}},
-                  [&](std::size_t index, std::size_t) { pictures[index] = work[index](); });
-  return pictures;
+                  [&](std::size_t index, std::size_t) { images[index] = work[index](); });
+  return images;
 }
 
 }  // namespace welkin::tool

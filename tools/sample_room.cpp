@@ -464,14 +464,14 @@ LatLongImage sample_room(int width, int height, const Control& control) {
   constexpr double kLit = 0.6;                                 // share of the time
   const double square_m = std::clamp(20.0 / width, 0.1, 0.3);  // finer than texels show
   const LitRoom room(square_m, jobs::part_of(control, 0.0, kLit));
-  LatLongImage picture{
+  LatLongImage image{
       width, height,
       std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
   const int samples = std::clamp(2048 / width, 2, 4);  // along a texel's edge
   const auto where = jobs::Placement::arena;
   jobs::run_tiles(static_cast<std::size_t>(height), where, jobs::worker_count(where), jobs::part_of(control, kLit, 1.0),
                   [&](std::size_t row, std::size_t) {
-                    float* texel = picture.pixels.data() + row * static_cast<std::size_t>(width) * 3;
+                    float* texel = image.pixels.data() + row * static_cast<std::size_t>(width) * 3;
                     for (int column = 0; column < width; ++column, texel += 3) {
                       dvec3 sum(0.0);
                       for (int sample = 0; sample < samples * samples; ++sample) {
@@ -484,7 +484,7 @@ LatLongImage sample_room(int width, int height, const Control& control) {
                       for (int channel = 0; channel < 3; ++channel) texel[channel] = static_cast<float>(sum[channel]);
                     }
                   });
-  return picture;
+  return image;
 }
 
 }  // namespace welkin

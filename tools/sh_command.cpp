@@ -100,7 +100,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   if (!options.input) {
     Pixels pixels;
     begin_stage("sky");
-    ComputedPicture sky = built_in_sky(part_of(control, 0.0, kComputed));
+    ComputedImage sky = built_in_sky(part_of(control, 0.0, kComputed));
     pixels.lat_long = std::move(sky.image);
     report.source = sky.source;
     report.sky = sky.sky;

@@ -28,7 +28,7 @@
 namespace welkin::tool {
 namespace {
 
-// --sweep: a day as a strip of pictures.
+// --sweep: a day as a strip of images.
 
 enum class SweepView {
   fisheye,   ///< the sky above: zenith in the middle, horizon at the rim, the sun's azimuth up
@@ -140,7 +140,7 @@ glm::dvec3 disc(const Sun& sun, double horizon, const glm::dvec3& towards) {
 }
 
 /// A row of pixels at a time: its directions in one call.
-void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left, int top, PreviewPicture& picture) {
+void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left, int top, PreviewImage& image) {
   const Sun sun = sky.view.sun_light(tile.sun);
   const double horizon = horizon_sine(sky.report);
   const auto samples = static_cast<std::size_t>(lens.width()) * kSampling * kSampling;
@@ -163,7 +163,7 @@ void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left
         const glm::dvec3 light = glm::dvec3(radiance[i]) + disc(sun, horizon, glm::dvec3(directions[i]));
         sum += seen[i] ? tile.tone_map(light) : kBackground;
       }
-      picture.set(left + column, top + row, glm::vec3(sum / static_cast<double>(kSampling * kSampling)));
+      image.set(left + column, top + row, glm::vec3(sum / static_cast<double>(kSampling * kSampling)));
     }
   }
 }
@@ -218,7 +218,7 @@ std::vector<double> sweep_elevations(const SweepOptions& options) {
   return elevations;
 }
 
-/// Draws and writes the picture, a PNG, and a text beside it that says of each tile where the sun stands and how bright
+/// Draws and writes the image, a PNG, and a text beside it that says of each tile where the sun stands and how bright
 /// the sky is; returns the text. Throws `Error`: file_access if one of them would be written over a file that is read.
 std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
   check(parameters, options);
@@ -230,19 +230,19 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
   const Lens lens(options.view, options.size);
   const int columns = std::min(options.tiles, lens.tiles_in_a_row());
   const int rows = (options.tiles + columns - 1) / columns;
-  PreviewPicture picture(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
-                         glm::vec3(kBackground));
+  PreviewImage image(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
+                     glm::vec3(kBackground));
   std::string text = head_lines(sky, options);
   const double noon = brightness(sky, sun_direction(elevations.front(), 0.0));
   for (std::size_t i = 0; i < elevations.size(); ++i) {
     const Tile tile = tile_at(sky, elevations[i], noon);
     const auto point = static_cast<int>(i);
     draw(sky, tile, lens, options.size, point % columns * (lens.width() + kGap),
-         point / columns * (options.size + kGap), picture);
+         point / columns * (options.size + kGap), image);
     text += tile_line(sky, tile, i);
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
-  picture.save(platform::path_of(options.path));
+  image.save(platform::path_of(options.path));
   write_text_file(text_beside(options), text);
   return text;
 }
@@ -252,11 +252,11 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
 constexpr double kFullTurns = 1e6;
 constexpr double kHighest = 1e9;
 constexpr int kMaxOrders = 64;
-constexpr int kLargestPicture = 16384;
+constexpr int kLargestImage = 16384;
 constexpr int kMaxTiles = 256;
 constexpr int kLargestTile = 2048;
 constexpr int kSkySize = 32;         // a sky is smooth: the prefilter's mips need no more
-constexpr int kSkyBackground = 128;  // as many texels round the horizon as the picture has
+constexpr int kSkyBackground = 128;  // as many texels round the horizon as the image has
 
 struct SkyOptions {
   SkyParameters sky;
@@ -267,7 +267,7 @@ struct SkyOptions {
 
   bool wants_folder = false;  ///< -o
   BakeCommandOptions bake;
-  int picture_height = 256;
+  int image_height = 256;
   bool sun_disc = false;
 
   SweepOptions sweep;  ///< its path empty: no sweep
@@ -384,9 +384,9 @@ void add_folder_options(Options& table, SkyOptions& options) {
              "prints the manifest",
              {.excludes = {"--format", "--window", "--sweep", "--quadrature", "--directions"}});
   const std::size_t before = table.size();
-  add_option(table, "--picture-height", &options.picture_height, "N",
+  add_option(table, "--image-height", &options.image_height, "N",
              "The height of sky.exr, from which everything else is made; it is twice as wide; default 256",
-             {.bounds = whole_between(1, kLargestPicture)});
+             {.bounds = whole_between(1, kLargestImage)});
   add_option(table, "--sun-disc", &options.sun_disc, "",
              "Draw the sun's disc into the image; by default it is left out");
   in_group(table, "A folder, as 'welkin bake' makes it");
@@ -437,7 +437,7 @@ void settle(SkyOptions& options, const Given& given) {
   options.bake.common.json = options.sh.format == sh_json;
   options.bake.orientation.to = options.sh.orientation.to;
   options.bake.bake.bands = options.sh.projection.bands;
-  options.bake.picture_name = "sky.exr";
+  options.bake.image_name = "sky.exr";
   settle_files(options.bake);
 }
 
@@ -493,7 +493,7 @@ ShReport measure_sky(const SkyOptions& options, const Control& control) {
   return report;
 }
 
-/// The sky as a picture, and all else from that.
+/// The sky as an image, and all else from that.
 std::string bake_sky(const SkyOptions& options, const Control& control) {
   constexpr double kTables = 0.9;
   BakeCommandOptions bake = options.bake;
@@ -502,7 +502,7 @@ std::string bake_sky(const SkyOptions& options, const Control& control) {
   }
   bake.compute = [&options](const Control& computing) {
     const Sky sky = make_sky(options.sky, part_of(computing, 0.0, kTables));
-    return sky_picture(sky, options.picture_height, options.sun_disc, part_of(computing, kTables, 1.0));
+    return sky_image(sky, options.image_height, options.sun_disc, part_of(computing, kTables, 1.0));
   };
   return bake_to_folder(bake, control);
 }

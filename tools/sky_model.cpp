@@ -349,9 +349,9 @@ ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& op
 }
 
 constexpr int kBuiltInHeight = 512;
-constexpr double kTables = 0.9;  // of the progress; the rest is the picture
+constexpr double kTables = 0.9;  // of the progress; the rest is the image
 
-/// Small tables: the command's first picture shall not keep anybody waiting.
+/// Small tables: the command's first image shall not keep anybody waiting.
 SkyParameters built_in_parameters() {
   SkyParameters parameters;
   parameters.sun_azimuth_degrees = 25.0;
@@ -388,27 +388,23 @@ Sky make_sky(const SkyParameters& parameters, const Control& control) {
   return sky;
 }
 
-ComputedPicture sky_picture(const Sky& sky, int height, bool sun_disc, const Control& control) {
-  ComputedPicture picture;
-  picture.image = sky_lat_long(sky.view, sky.sun, height, {.sun_disc = sun_disc}, control);
-  picture.source = {"sky",
-                    name(Layout::lat_long),
-                    picture.image.width,
-                    picture.image.height,
-                    "computed",
-                    "from tables of the scattering",
-                    {}};
-  picture.sky = sky.report;
-  if (!sun_disc) picture.sun = sky.view.sun_light(sky.sun);
-  return picture;
+ComputedImage sky_image(const Sky& sky, int height, bool sun_disc, const Control& control) {
+  ComputedImage image;
+  image.image = sky_lat_long(sky.view, sky.sun, height, {.sun_disc = sun_disc}, control);
+  image.source = {
+      "sky", name(Layout::lat_long), image.image.width, image.image.height, "computed", "from tables of the scattering",
+      {}};
+  image.sky = sky.report;
+  if (!sun_disc) image.sun = sky.view.sun_light(sky.sun);
+  return image;
 }
 
-ComputedPicture built_in_sky(const Control& control) {
+ComputedImage built_in_sky(const Control& control) {
   const Sky sky = make_sky(built_in_parameters(), part_of(control, 0.0, kTables));
-  ComputedPicture picture = sky_picture(sky, kBuiltInHeight, true, part_of(control, kTables, 1.0));
-  picture.source.path = "built-in sky";
-  picture.source.detail = "computed, as --sky asks";
-  return picture;
+  ComputedImage image = sky_image(sky, kBuiltInHeight, true, part_of(control, kTables, 1.0));
+  image.source.path = "built-in sky";
+  image.source.detail = "computed, as --sky asks";
+  return image;
 }
 
 }  // namespace welkin::tool

@@ -66,7 +66,7 @@ struct SkyReport {
   int orders = 0;
   double last_change = 0.0;
   glm::dvec3 sky_irradiance{};                    ///< on horizontal ground facing up, without the direct sun
-  std::optional<SkyHarmonicsOptions> quadrature;  ///< of the harmonics; none: they are of a picture
+  std::optional<SkyHarmonicsOptions> quadrature;  ///< of the harmonics; none: they are of an image
   int directions = 0;                             ///< that it looks along
 };
 
@@ -78,14 +78,14 @@ struct SkyReport {
 [[nodiscard]] std::string sky_lines(const SkyReport& report);
 
 /// An environment that is computed and not read.
-struct ComputedPicture {
+struct ComputedImage {
   LatLongImage image;
   Source source;
   SkyReport sky;
   std::optional<Sun> sun;  ///< that is not in the image, Welkin's axes
 };
 
-using ComputePicture = std::function<ComputedPicture(const Control&)>;
+using ComputeImage = std::function<ComputedImage(const Control&)>;
 
 struct SkyParameters {
   AtmosphereChoice atmosphere;
@@ -109,11 +109,11 @@ struct Sky {
 [[nodiscard]] Sky make_sky(const SkyParameters& parameters, const Control& control);
 
 /// A lat-long twice as wide as `height`, with its sun or without.
-[[nodiscard]] ComputedPicture sky_picture(const Sky& sky, int height, bool sun_disc, const Control& control);
+[[nodiscard]] ComputedImage sky_image(const Sky& sky, int height, bool sun_disc, const Control& control);
 
 /// The environment of a command to which no file is given: Earth's sky in W/m2/sr/nm at 680, 550, 440 nm, the sun in it
 /// 40 degrees up, 25 from +z towards +x. In these units all but the sun's disc lies below 1 and the disc below 65504,
 /// the largest half: in cd/m2 a bundle's half floats would clip the sun and the .env's RGBD the sky itself.
-[[nodiscard]] ComputedPicture built_in_sky(const Control& control);
+[[nodiscard]] ComputedImage built_in_sky(const Control& control);
 
 }  // namespace welkin::tool

@@ -18,7 +18,7 @@ struct TestMapAxes {
 
 /// A labelled sphere: each of the six sides has its colour, and its axis written on it in letters that read from
 /// inside the sphere ("+X", "-Y", ...), a grid of latitudes and longitudes, edges of the faces, and an arrow
-/// towards +y on each side wall. In a mirrored picture the letters are mirrored too.
+/// towards +y on each side wall. In a mirrored image the letters are mirrored too.
 /// Other axes change the names and colours; what is in front, on the left or above stays there.
 /// `width` x `height` texels of a lat-long. Cost: some 0.5 microseconds a texel and thread.
 /// Throws `Error`: invalid_argument out of LatLongView's range, cancelled.
@@ -29,9 +29,9 @@ struct TestMapAxes {
 [[nodiscard]] Cubemap test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
 
 /// Draws a room of diffuse boxes as a viewer in its middle sees it: a window to the west (+x, the left quarter of the
-/// picture) with the low sun and the sky, a floor lamp, and three bulbs over a table. Light is reflected three times.
+/// image) with the low sun and the sky, a floor lamp, and three bulbs over a table. Light is reflected three times.
 /// Radiance runs from 0.001 in dark corners to 30 000 in the sun's disc, in no particular unit.
-/// `width` x `height`: texels of the picture. The same bits on every machine. Throws `Error`: invalid_argument for
+/// `width` x `height`: texels of the image. The same bits on every machine. Throws `Error`: invalid_argument for
 /// sizes out of LatLongView's range, cancelled.
 [[nodiscard]] LatLongImage sample_room(int width, int height, const Control& control = {});
 

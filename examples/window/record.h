@@ -49,7 +49,7 @@ class Recorder {
       if (quiet && state.shown && state.sky_settled) frame_ = 0;
       return;
     }
-    if (frame_ >= frames_) {  // the last picture: what was asked for last is shown
+    if (frame_ >= frames_) {  // the last image: what was asked for last is shown
       if (!quiet || !state.sky_settled) return;
       judge("sky", frame);
       return push_key(SDLK_ESCAPE);
@@ -104,7 +104,7 @@ class Recorder {
   }
 
   /// Notes pixels of the white sphere and of the mirror, with their normals in the world and what the white sphere's
-  /// must be by the library; and writes the picture.
+  /// must be by the library; and writes the image.
   void judge(const std::string& what, const Frame& frame) {
     std::vector<std::uint8_t> image(3 * kWidth * kHeight);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);

@@ -300,9 +300,9 @@ struct Plan {
 // ---- Skies: specular chains of a computed sky, and plans for skies
 
 /// Computes a sky cubemap of `options.size` and prefilters it as `prefilter_specular` does. The sun's disc is included
-/// only if `picture` requests it. Throws `Error`: invalid_argument, limit_exceeded.
+/// only if `image` requests it. Throws `Error`: invalid_argument, limit_exceeded.
 [[nodiscard]] PrefilteredSpecular sky_specular(const SkyView& view, const dvec3& sun, const PrefilterOptions& options,
-                                               const SkyPictureOptions& picture = {}, const Control& control = {});
+                                               const SkyImageOptions& image = {}, const Control& control = {});
 
 // Plans for computed skies
 //

@@ -249,14 +249,14 @@ struct BabylonEnvironment {
 [[nodiscard]] Cubemap mirrored_x(const Cubemap& cubemap);
 
 /// Faces of a chain as PNG images in RGBD, for .env files and glTF's EXT_lights_image_based.
-struct RgbdPictures {
+struct RgbdImages {
   std::vector<std::vector<std::uint8_t>> png;  ///< images by level x 6 + face, +X -X +Y -Y +Z -Z
   std::uint64_t values_clamped = 0;  ///< channel values below 0 or above 255, the range of RGBD (NaN becomes 0)
 };
 
 /// Encodes a chain as `write_babylon_environment` does: bottom row first, faces in the chain's axes (convert them
 /// before). Throws `Error`: unsupported_file in a build without libspng.
-[[nodiscard]] RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control = {});
+[[nodiscard]] RgbdImages rgbd_images(const Cubemap& chain, const Control& control = {});
 
 /// Reads an .env file: version 1 (or older) or 2, with PNG or WebP images, identified by their first bytes. The
 /// manifest may have up to 256 KiB. The memory limit is checked before an image is decoded.

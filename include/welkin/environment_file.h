@@ -331,7 +331,7 @@ void check_write_options(const FileOutput& output, const WriteOptions& options, 
 /// Writes an environment in the format that the extension names: .exr, .hdr, .pfm or .png. Files are written
 /// atomically: complete or not at all. Existing files are replaced. Throws `Error`: invalid_argument for a view, layout
 /// or type that does not fit (naming what does), unsupported_file for another extension, file_access.
-WriteReport write_environment(const FileOutput& output, const EnvironmentView& picture,
-                              const WriteOptions& options = {}, const Control& control = {});
+WriteReport write_environment(const FileOutput& output, const EnvironmentView& image, const WriteOptions& options = {},
+                              const Control& control = {});
 
 }  // namespace welkin

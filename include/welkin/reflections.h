@@ -55,6 +55,19 @@ enum class Quality {
 /// Returns "normal", "fast" or "reference".
 [[nodiscard]] const char* name(Quality quality) noexcept;
 
+/// Mappings from mips to roughness, with t = mip / (mips - 1) in [0, 1].
+enum class RoughnessSchedule {
+  linear,    ///< t (glTF-IBL-Sampler)
+  filament,  ///< 1 - sqrt(1 - t) (Filament, three.js)
+  babylon,   ///< 0 at mip 0, else alpha = 2^(mip / 0.8) / size, at most 1 (Babylon.js, lodGenerationScale 0.8)
+  unity,     ///< mip = 6 r (1.7 - 0.7 r) for any number of mips; 1 beyond mip 6 (Unity_GlossyEnvironment)
+  /// 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1 (ComputeReflectionCaptureRoughnessFromMip)
+  unreal,
+};
+
+/// Returns "linear", "filament", "babylon", "unity" or "unreal".
+[[nodiscard]] const char* name(RoughnessSchedule schedule) noexcept;
+
 /// Size, lobes and error bounds of a specular chain.
 struct PrefilterOptions {
   int size = 256;  ///< texels per edge of mip 0: 1 to 8192
@@ -82,7 +95,8 @@ struct PrefilterOptions {
   double rms_error = 1e-3;  ///< bound on a mip's relative root mean square error, weighted by solid angle
   /// Bound on |result - reference| / reference at any texel. If empty: ten times `rms_error`, at most 1. Channels
   /// darker than 1e-6 / `maximum_error` of the mip's root mean square (computed without very bright lights) may exceed
-  /// it; the pass "mip N: dark channels" then reports them.
+  /// it; the pass "mip N: dark channels" then reports them. For lobes other than `ggx` this bound is not checked: next
+  /// to lamps, single texels may exceed it.
   std::optional<double> maximum_error = std::nullopt;
 
   PixelPolicy pixels{};  ///< treatment of source values, as in `project`
@@ -92,6 +106,11 @@ struct PrefilterOptions {
 
   /// Returns the default options with the method and the bounds of a preset. They may be changed afterwards.
   [[nodiscard]] static PrefilterOptions at(Quality quality);
+
+  /// Sets `roughness` for an engine whose shaders look mips up by `schedule`, and `mips` to the schedule's number if it
+  /// is empty; with `fit_lookups` also `lobe_roughness`. Call it after `size` and `mips` are set. Throws the same
+  /// errors as `mip_roughness`.
+  void use_schedule(RoughnessSchedule schedule, bool fit_lookups = false);
 
   friend bool operator==(const PrefilterOptions&, const PrefilterOptions&) = default;
 };
@@ -155,19 +174,6 @@ struct PrefilteredSpecular {
 
 // Roughness schedules: the roughness of each mip of a specular cubemap, and the mip that a shader samples for a
 // roughness.
-
-/// Mappings from mips to roughness, with t = mip / (mips - 1) in [0, 1].
-enum class RoughnessSchedule {
-  linear,    ///< t (glTF-IBL-Sampler)
-  filament,  ///< 1 - sqrt(1 - t) (Filament, three.js)
-  babylon,   ///< 0 at mip 0, else alpha = 2^(mip / 0.8) / size, at most 1 (Babylon.js, lodGenerationScale 0.8)
-  unity,     ///< mip = 6 r (1.7 - 0.7 r) for any number of mips; 1 beyond mip 6 (Unity_GlossyEnvironment)
-  /// 0 at mip 0, else 2^((mip - (mips - 1) + 2) / 1.2), at most 1 (ComputeReflectionCaptureRoughnessFromMip)
-  unreal,
-};
-
-/// Returns "linear", "filament", "babylon", "unity" or "unreal".
-[[nodiscard]] const char* name(RoughnessSchedule schedule) noexcept;
 
 /// Returns the roughness of each mip of a chain whose mip 0 has `size` texels per edge: increasing, in [0, 1], 0 at mip
 /// 0. Throws `Error` (invalid_argument) unless 1 <= mips <= 16 and size >= 1.

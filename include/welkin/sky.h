@@ -323,7 +323,7 @@ struct SkyViewOptions {
 };
 
 /// Options of sky images.
-struct SkyPictureOptions {
+struct SkyImageOptions {
   /// Includes the sun's disc, antialiased by covered area. Its total radiance equals the irradiance of
   /// `SkyView::sun`.
   bool sun_disc = false;
@@ -378,10 +378,10 @@ class SkyView {
 /// the disc's radiance times the fraction of their area that it covers. The disc's radiance times solid angle, summed
 /// over the image, is the irradiance of `SkyView::sun` at any image size. The part of a disc below the horizon is left
 /// out. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1 to 16384.
-[[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size,
-                                  const SkyPictureOptions& options = {}, const Control& control = {});
+[[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size, const SkyImageOptions& options = {},
+                                  const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,
-                                        const SkyPictureOptions& options = {}, const Control& control = {});
+                                        const SkyImageOptions& options = {}, const Control& control = {});
 
 // ---- A computed sky as spherical harmonics: by quadrature, or from a curve over the sun's elevation
 //

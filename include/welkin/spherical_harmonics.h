@@ -265,6 +265,6 @@ struct Sun {
 /// has no effect. NaN and values below 0 count as black. Returns 1 if there is no light. Sorts the texels, with 16
 /// bytes of memory per texel; a mip of 32 texels per edge gives nearly the same result. Throws `Error`
 /// (invalid_argument) for an invalid view.
-[[nodiscard]] double exposure_of(const EnvironmentView& picture);
+[[nodiscard]] double exposure_of(const EnvironmentView& image);
 
 }  // namespace welkin

@@ -654,9 +654,8 @@ WELKIN_CALL welkin_sky_view_sun(const welkin_sky_view* view, const double* sun, 
 
 /* Writes an image of the sky: a cubemap, or a lat-long if the target is flat, whose width must be twice its height.
  * `sun_disc` 1 includes the sun's disc, by the area of texels that it covers. */
-WELKIN_CALL welkin_sky_view_picture(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
-                                    const welkin_control* control, const welkin_target* target,
-                                    uint64_t* values_clamped);
+WELKIN_CALL welkin_sky_view_image(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
+                                  const welkin_control* control, const welkin_target* target, uint64_t* values_clamped);
 
 /* Prefilters an image of the sky for specular reflections. */
 WELKIN_CALL welkin_sky_view_specular(const welkin_sky_view* view, const double* sun, int32_t sun_disc,

@@ -154,11 +154,11 @@ class Job : public JobHandle {
   /// worker, or inside `terminate()` if that ends the job; if the job is ready, it does not suspend. Post the job in a
   /// statement of its own: GCC 12 destroys temporaries of a `co_await` expression twice (lambdas with captures, braced
   /// aggregates).
-  [[nodiscard]] auto operator co_await() && { return detail::Awaited<Result>(take_over(), detail::CallPlace::worker); }
+  [[nodiscard]] auto operator co_await() && { return detail::Awaited<Result>(take_over(), detail::CallSite::worker); }
 
   /// Returns an awaitable like that of `co_await`, except that the coroutine resumes inside `drain()`, or in the
   /// worker's destructor if `drain()` is not called again.
-  [[nodiscard]] auto drained() && { return detail::Awaited<Result>(take_over(), detail::CallPlace::drain); }
+  [[nodiscard]] auto drained() && { return detail::Awaited<Result>(take_over(), detail::CallSite::drain); }
 
  private:
   friend struct detail::JobAccess;
@@ -237,7 +237,7 @@ struct Continuation {
 /// Resumes a coroutine after the job that it awaits, whether that succeeded or not.
 class Resumption final : public Computation {
  public:
-  Resumption(std::coroutine_handle<> coroutine, CallPlace its_place) : Computation(its_place), coroutine_(coroutine) {}
+  Resumption(std::coroutine_handle<> coroutine, CallSite its_site) : Computation(its_site), coroutine_(coroutine) {}
 
   void run(const Control&) override { coroutine_.resume(); }
   void abandon() override { coroutine_.resume(); }
@@ -251,7 +251,7 @@ template <class Result, class Callback>
 class DrainCallback final : public Computation {
  public:
   DrainCallback(Job<Result> job, Callback callback)
-      : Computation(CallPlace::drain), job_(std::move(job)), callback_(std::move(callback)) {}
+      : Computation(CallSite::drain), job_(std::move(job)), callback_(std::move(callback)) {}
 
   void run(const Control&) override { std::invoke(callback_, std::move(job_)); }
 
@@ -264,22 +264,22 @@ class DrainCallback final : public Computation {
 template <class Result>
 class Awaited {
  public:
-  Awaited(Job<Result> job, CallPlace place) : job_(std::move(job)), place_(place) {}
+  Awaited(Job<Result> job, CallSite site) : job_(std::move(job)), site_(site) {}
 
-  [[nodiscard]] bool await_ready() const noexcept { return place_ == CallPlace::worker && job_.ready(); }
+  [[nodiscard]] bool await_ready() const noexcept { return site_ == CallSite::worker && job_.ready(); }
 
   /// Returns false if the coroutine need not suspend.
   bool await_suspend(std::coroutine_handle<> coroutine) {
     // The coroutine may go on, and this object be gone, before `attach` returns.
     const std::shared_ptr<JobRecord> record = job_.record_;
-    return attach(record, make_shared_in_job_memory<Resumption>(coroutine, place_), nullptr);
+    return attach(record, make_shared_in_job_memory<Resumption>(coroutine, site_), nullptr);
   }
 
   Result await_resume() { return job_.get(); }
 
  private:
   Job<Result> job_;
-  CallPlace place_;
+  CallSite site_;
 };
 
 }  // namespace detail
@@ -465,7 +465,7 @@ namespace detail {
 template <class Result>
 class PromiseKeeper final : public Computation {
  public:
-  explicit PromiseKeeper(Job<Result> job) : Computation(CallPlace::at_once), job_(std::move(job)) {}
+  explicit PromiseKeeper(Job<Result> job) : Computation(CallSite::at_once), job_(std::move(job)) {}
 
   [[nodiscard]] std::future<Result> future() { return promise_.get_future(); }
 

@@ -71,7 +71,7 @@ std::uint64_t grid_bytes(int bands, const transforms::GridSize& grid) {
                                                 static_cast<std::uint64_t>(grid.columns + border);
 }
 
-reflections::PictureShape picture_of(const SourceShape& source) {
+reflections::ImageShape image_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
@@ -90,7 +90,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   if (search.texels == 0) return bytes;
   if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
   return std::max<std::uint64_t>(bytes, search.bytes) +
-         reflections::BrightLights::most_bytes(search.texels, picture_of(source), plan.lights,
+         reflections::BrightLights::most_bytes(search.texels, image_of(source), plan.lights,
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
@@ -130,7 +130,7 @@ std::uint64_t bytes_of_step(const SourceShape& source, const reflections::Prefil
 std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
   for (int step = 0; step <= reflections::kMaxTightenings; ++step)
-    bytes = std::max(bytes, bytes_of_step(source, plan.at_step(step, picture_of(source))));
+    bytes = std::max(bytes, bytes_of_step(source, plan.at_step(step, image_of(source))));
   return bytes;
 }
 

@@ -217,11 +217,11 @@ namespace {
 
 /// `size`: texels along an edge of the sky that is prefiltered.
 PrefilteredSpecular prefiltered_sky(const SkyView& view, const glm::dvec3& sun, int size,
-                                    const PrefilterOptions& options, const SkyPictureOptions& picture,
+                                    const PrefilterOptions& options, const SkyImageOptions& image,
                                     const Control& control) {
   constexpr double share_of_sky = 0.2;
   const reflections::PrefilterPlan plan = reflections::plan_prefilter(options);
-  const Cubemap sky = sky_cubemap(view, sun, size, picture, jobs::part_of(control, 0.0, share_of_sky));
+  const Cubemap sky = sky_cubemap(view, sun, size, image, jobs::part_of(control, 0.0, share_of_sky));
   return reflections::prefilter(sky.view(), plan, options.pixels, {}, jobs::part_of(control, share_of_sky, 1.0));
 }
 
@@ -321,9 +321,9 @@ SkyBake bake(const SkyPlan& plan, const glm::dvec3& sun, const Control& control)
 // A computed sky, prefiltered.
 
 PrefilteredSpecular sky_specular(const SkyView& view, const glm::dvec3& sun, const PrefilterOptions& options,
-                                 const SkyPictureOptions& picture, const Control& control) {
+                                 const SkyImageOptions& image, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  return prefiltered_sky(view, sun, options.size, options, picture, control);
+  return prefiltered_sky(view, sun, options.size, options, image, control);
 }
 
 }  // namespace welkin

@@ -176,10 +176,7 @@ void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& want
   const bool fitted = flag("fitted", given.fitted);
   if (given.schedule == WELKIN_ROUGHNESS_DEFAULT && !fitted) return;
   if (given.roughness_count > 0) refuse("schedule or fitted is set together with roughness; pass one of them");
-  const RoughnessSchedule schedule = schedules[static_cast<std::size_t>(given.schedule)];
-  if (!wanted.mips) wanted.mips = default_mip_count(schedule, wanted.size);
-  wanted.roughness = mip_roughness(schedule, *wanted.mips, wanted.size);
-  if (fitted) wanted.lobe_roughness = fitted_mip_roughness(schedule, *wanted.mips, wanted.size);
+  wanted.use_schedule(schedules[static_cast<std::size_t>(given.schedule)], fitted);
 }
 
 }  // namespace
@@ -228,7 +225,7 @@ BrdfTableOptions brdf_options(const welkin_brdf_options* options) {
 
 std::uint64_t write_table(const Target& target, const BrdfTable& table) {
   require_size(target, table.options.width, table.options.height);
-  return write_picture(target, 0, table.values.data(), table.channels);
+  return write_image(target, 0, table.values.data(), table.channels);
 }
 
 using BakePointer = std::shared_ptr<const BakeResult>;
@@ -457,7 +454,7 @@ welkin_status welkin_bake_result_copy_octahedral(const welkin_bake_result* resul
     }
     const Target checked = flat_target(target);
     require_size(checked, map.level_size(level), map.level_size(level));
-    tell(write_picture(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
+    tell(write_image(checked, 0, map.levels[static_cast<std::size_t>(level)].data(), 3), values_clamped);
   });
 }
 

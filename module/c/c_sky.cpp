@@ -245,21 +245,21 @@ welkin_status welkin_sky_view_sun(const welkin_sky_view* view, const double* sun
   });
 }
 
-welkin_status welkin_sky_view_picture(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
-                                      const welkin_control* control, const welkin_target* target,
-                                      uint64_t* values_clamped) {
+welkin_status welkin_sky_view_image(const welkin_sky_view* view, const double* sun, int32_t sun_disc,
+                                    const welkin_control* control, const welkin_target* target,
+                                    uint64_t* values_clamped) {
   return guarded([&] {
     const welkin::SkyView& sky = view_of(view);
     const glm::dvec3 towards_sun = read_sun(sun);
-    const welkin::SkyPictureOptions wanted{flag("sun_disc", sun_disc)};
+    const welkin::SkyImageOptions wanted{flag("sun_disc", sun_disc)};
     const Target checked = target_of(target);
     if (checked.count == 6) {
-      const auto picture = welkin::sky_cubemap(sky, towards_sun, checked.width, wanted, control_of(control));
-      return tell(write_faces(checked, picture.view()), values_clamped);
+      const auto image = welkin::sky_cubemap(sky, towards_sun, checked.width, wanted, control_of(control));
+      return tell(write_faces(checked, image.view()), values_clamped);
     }
     require_size(checked, 2 * checked.height, checked.height);
-    const auto picture = welkin::sky_lat_long(sky, towards_sun, checked.height, wanted, control_of(control));
-    tell(write_picture(checked, 0, picture.pixels.data(), 3), values_clamped);
+    const auto image = welkin::sky_lat_long(sky, towards_sun, checked.height, wanted, control_of(control));
+    tell(write_image(checked, 0, image.pixels.data(), 3), values_clamped);
   });
 }
 

@@ -346,14 +346,14 @@ Target checked_target(welkin_format format, std::int64_t row_stride_bytes, int w
   return target;
 }
 
-void add_picture(Target& target, void* pixels) {
+void add_image(Target& target, void* pixels) {
   const std::string which = target.count > 0 ? "image " + std::to_string(target.count) : "image";
   if (pixels == nullptr) refuse("the target's " + which + " is null");
   if (reinterpret_cast<std::uintptr_t>(pixels) % target.layout.channel_bytes() != 0) {
     refuse("the target's " + which + " is not aligned to its channels, which take " +
            std::to_string(target.layout.channel_bytes()) + " bytes each");
   }
-  target.pictures[static_cast<std::size_t>(target.count++)] = static_cast<std::byte*>(pixels);
+  target.images[static_cast<std::size_t>(target.count++)] = static_cast<std::byte*>(pixels);
 }
 
 }  // namespace
@@ -370,7 +370,7 @@ Target target_of(const welkin_target* target) {
   }
   Target checked =
       checked_target(given.format, given.row_stride_bytes, flat ? given.width : size, flat ? given.height : size);
-  for (int face = 0; face < (flat ? 1 : 6); ++face) add_picture(checked, given.faces[face]);
+  for (int face = 0; face < (flat ? 1 : 6); ++face) add_image(checked, given.faces[face]);
   return checked;
 }
 
@@ -413,8 +413,8 @@ void require_size(const Target& target, int width, int height) {
          " texels; the written image has " + std::to_string(width) + " x " + std::to_string(height));
 }
 
-std::uint64_t write_picture(const Target& target, int picture, const float* values, int channels) noexcept {
-  std::byte* const first = target.pictures[static_cast<std::size_t>(picture)];
+std::uint64_t write_image(const Target& target, int image, const float* values, int channels) noexcept {
+  std::byte* const first = target.images[static_cast<std::size_t>(image)];
   const auto width = static_cast<std::size_t>(target.width);
   std::uint64_t changed = 0;
   for (int row = 0; row < target.height; ++row, values += width * static_cast<std::size_t>(channels)) {
@@ -427,7 +427,7 @@ std::uint64_t write_faces(const Target& target, const CubemapView& cubemap) noex
   std::uint64_t changed = 0;
   for (int face = 0; face < target.count; ++face) {
     const void* const pixels = cubemap.faces[static_cast<std::size_t>(face)];
-    changed += write_picture(target, face, static_cast<const float*>(pixels), 3);
+    changed += write_image(target, face, static_cast<const float*>(pixels), 3);
   }
   return changed;
 }

@@ -232,7 +232,7 @@ class HandedOver {
 
 // The caller's pixels. Whether they are sound is left to those who read them.
 
-/// A cubemap or a lat-long. Throws `Error` (invalid_argument) for null, for sizes that no picture has, for unknown
+/// A cubemap or a lat-long. Throws `Error` (invalid_argument) for null, for sizes that no image has, for unknown
 /// formats. `name` is the argument's.
 [[nodiscard]] EnvironmentView environment_view(const welkin_environment* environment, const char* name = "environment");
 /// A cubemap and the levels behind it. Throws likewise, for a lat-long, and for structures whose stated sizes differ.
@@ -287,10 +287,10 @@ void write_diagnostics(welkin_projection* totals, const ProjectionDiagnostics& d
 
 // Memory of the caller's that results are written to.
 
-/// One or six pictures of one size that were checked: each has an address, rows that do not overlap, and channels that
+/// One or six images of one size that were checked: each has an address, rows that do not overlap, and channels that
 /// are aligned.
 struct Target {
-  std::array<std::byte*, 6> pictures{};  ///< first texel of the top row
+  std::array<std::byte*, 6> images{};  ///< first texel of the top row
   int count = 0;
   int width = 0;
   int height = 0;
@@ -298,7 +298,7 @@ struct Target {
   image::TexelLayout layout{};
 };
 
-/// A cubemap's or a flat picture's, whichever it is. Throws `Error` (invalid_argument) for null, for formats that are
+/// A cubemap's or a flat image's, whichever it is. Throws `Error` (invalid_argument) for null, for formats that are
 /// not written, for too short a stride, for addresses that are not aligned.
 [[nodiscard]] Target target_of(const welkin_target* target);
 /// These throw likewise, and for the other kind.
@@ -310,8 +310,8 @@ struct Target {
 /// Throws unless the target has that size.
 void require_size(const Target& target, int width, int height);
 
-/// Writes a picture of `channels` packed floats a texel; returned is how many values a half could not hold.
-std::uint64_t write_picture(const Target& target, int picture, const float* values, int channels) noexcept;
+/// Writes an image of `channels` packed floats a texel; returned is how many values a half could not hold.
+std::uint64_t write_image(const Target& target, int image, const float* values, int channels) noexcept;
 /// The six faces of a cubemap of packed RGB floats, whose size the target has.
 std::uint64_t write_faces(const Target& target, const CubemapView& cubemap) noexcept;
 

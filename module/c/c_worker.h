@@ -211,7 +211,7 @@ struct Posting {
 class CompletedCallback final : public detail::Computation {
  public:
   CompletedCallback(JobReference job, decltype(welkin_post_options::completed) completed, void* user)
-      : Computation(detail::CallPlace::drain), job_(std::move(job)), completed_(completed), user_(user) {}
+      : Computation(detail::CallSite::drain), job_(std::move(job)), completed_(completed), user_(user) {}
 
   void run(const Control&) override {
     if (!returns([this] { completed_(job_.get(), user_); })) refuse_thread_exit("completed");

@@ -24,7 +24,7 @@ constexpr std::size_t kFileBlockBytes = std::size_t{1} << 20U;
 
 ContentHash of(const XXH128_hash_t& hash) noexcept { return {hash.high64, hash.low64}; }
 
-/// Some of a picture: one face, or all of a lat-long.
+/// Some of an image: one face, or all of a lat-long.
 struct Plane {
   const std::byte* first_row;
   std::size_t row_bytes;

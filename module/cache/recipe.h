@@ -201,7 +201,7 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 /// As large as the options say.
 [[nodiscard]] std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options);
 /// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
-/// `energies` takes those of the picture, if they were stored.
+/// `energies` takes those of the image, if they were stored.
 [[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels,
                                                   std::vector<float>* energies = nullptr);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,

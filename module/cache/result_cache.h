@@ -111,7 +111,7 @@ inline std::optional<Projection> find_projection(ResultStore& store, const Entry
   return std::move(found->value);
 }
 
-// What sanitizing a picture's pixels came to, kept so that what was made of them can be described without them.
+// What sanitizing an image's pixels came to, kept so that what was made of them can be described without them.
 
 struct SanitizedPixels {
   ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in

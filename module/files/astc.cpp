@@ -9,7 +9,7 @@
 #include <string>
 
 #include "files/textures.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
@@ -46,14 +46,14 @@ Context context_for(astcenc_profile profile, TexelKind kind, float quality, unsi
   return Context(context);
 }
 
-/// A picture of RGBA floats, as astcenc wants one.
-class Picture {
+/// An image of RGBA floats, as astcenc wants one.
+class Image {
  public:
-  Picture(int width, int height)
+  Image(int width, int height)
       : values_(std::size_t{4} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
         image_{static_cast<unsigned>(width), static_cast<unsigned>(height), 1, ASTCENC_TYPE_F32, &slice_} {}
-  Picture(const Picture&) = delete;
-  Picture& operator=(const Picture&) = delete;
+  Image(const Image&) = delete;
+  Image& operator=(const Image&) = delete;
 
   [[nodiscard]] float* values() noexcept { return values_.data(); }
   [[nodiscard]] astcenc_image* image() noexcept { return &image_; }
@@ -75,11 +75,11 @@ class Decoder final : public AstcDecoder {
     const int across = (width + edge_ - 1) / edge_;
     const auto bytes =
         kBlockBytes * static_cast<std::size_t>(across) * static_cast<std::size_t>((bottom - top) / edge_);
-    Picture picture(width, bottom - top);
+    Image image(width, bottom - top);
     constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
-    require_success(astcenc_decompress_image(context_.get(), blocks, bytes, picture.image(), &as_it_is, kThread));
+    require_success(astcenc_decompress_image(context_.get(), blocks, bytes, image.image(), &as_it_is, kThread));
     const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(rows);
-    const float* rgba = picture.values() + std::ptrdiff_t{4} * width * (first_row - top);
+    const float* rgba = image.values() + std::ptrdiff_t{4} * width * (first_row - top);
     for (std::size_t k = 0; k < texels; ++k, rgba += 4, rgb += 3) std::copy_n(rgba, 3, rgb);
   }
 
@@ -101,10 +101,10 @@ float quality_of(AstcEffort effort) {
 /// In smaller levels, which have few blocks, visible changes would be needed to keep the mean.
 constexpr int kBalancedWidth = 16;
 
-/// Blocks of one picture that are encoded together: neighbours in one row of blocks.
+/// Blocks of one image that are encoded together: neighbours in one row of blocks.
 struct Tile {
   std::size_t level;
-  std::size_t picture;  ///< of the level's
+  std::size_t image;  ///< of the level's
   int block_row;
   int first_block;  ///< of the row
   int blocks;
@@ -113,12 +113,12 @@ struct Tile {
 std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels, int edge) {
   std::vector<Tile> tiles;
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    for (std::size_t picture = 0; picture < levels[level].size(); ++picture) {
-      const LatLongView& view = levels[level][picture];
+    for (std::size_t image = 0; image < levels[level].size(); ++image) {
+      const LatLongView& view = levels[level][image];
       const int across = (view.width + edge - 1) / edge;
       for (int row = 0; row * edge < view.height; ++row) {
         for (int first = 0; first < across; first += kTileBlocks)
-          tiles.push_back({level, picture, row, first, std::min(kTileBlocks, across - first)});
+          tiles.push_back({level, image, row, first, std::min(kTileBlocks, across - first)});
       }
     }
   }
@@ -136,12 +136,12 @@ Area area_of(const LatLongView& view, const Tile& tile, int edge) {
   return {left, top, std::min(tile.blocks * edge, view.width - left), std::min(edge, view.height - top)};
 }
 
-/// Writes texels of a picture as floats that halves hold, and returns how many were clamped.
-std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& picture) {
+/// Writes texels of an image as floats that halves hold, and returns how many were clamped.
+std::uint64_t read_area(const LatLongView& view, const Area& area, Image& image) {
   const auto [left, top, width, height] = area;
   std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(width));
   std::uint64_t clamped = 0;
-  float* rgba = picture.values();
+  float* rgba = image.values();
   for (int row = 0; row < height; ++row) {
     const auto* const texels = static_cast<const std::byte*>(image::row_of(view, top + row)) +
                                static_cast<std::ptrdiff_t>(bytes_per_texel(view.format)) * left;
@@ -156,11 +156,11 @@ std::uint64_t read_area(const LatLongView& view, const Area& area, Picture& pict
   return clamped;
 }
 
-/// Beyond the edge of a picture astcenc repeats its texels.
-void encode(Picture& picture, int blocks, astcenc_context* context, std::uint8_t* to) {
+/// Beyond the edge of an image astcenc repeats its texels.
+void encode(Image& image, int blocks, astcenc_context* context, std::uint8_t* to) {
   constexpr astcenc_swizzle opaque{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_1};
   require_success(astcenc_compress_reset(context));
-  require_success(astcenc_compress_image(context, picture.image(), &opaque, to,
+  require_success(astcenc_compress_image(context, image.image(), &opaque, to,
                                          kBlockBytes * static_cast<std::size_t>(blocks), kThread));
 }
 
@@ -176,9 +176,9 @@ void add_light(const Area& area, int edge, const float* rgba, image::BlockLight*
 /// are scaled by what it lost of them.
 class Balancer {
  public:
-  Balancer(const std::vector<LatLongView>& pictures, int edge, astcenc_context* context,
+  Balancer(const std::vector<LatLongView>& images, int edge, astcenc_context* context,
            const std::vector<image::BlockLight>& lights, const stop_token& stop, std::uint8_t* blocks)
-      : pictures_(pictures),
+      : images_(images),
         edge_(edge),
         context_(context),
         stop_(stop),
@@ -189,8 +189,8 @@ class Balancer {
   void run() {
     for (const auto& [share, block] : brightest_) {
       const Area area = area_of(block);
-      Picture given(area.width, area.height);
-      read_area(picture_of(block), area, given);
+      Image given(area.width, area.height);
+      read_area(image_of(block), area, given);
       off_ = image::sum(off_, error_of(area, given, bytes_of(block)).light);
     }
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -208,14 +208,14 @@ class Balancer {
   /// A total error of the means of this size costs as much as a mean squared relative error of 1.
   static constexpr double kWorth = 0.01;
 
-  [[nodiscard]] int across() const { return (pictures_.front().width + edge_ - 1) / edge_; }
-  [[nodiscard]] int down() const { return (pictures_.front().height + edge_ - 1) / edge_; }
-  [[nodiscard]] const LatLongView& picture_of(std::size_t block) const {
-    return pictures_[block / static_cast<std::size_t>(across() * down())];
+  [[nodiscard]] int across() const { return (images_.front().width + edge_ - 1) / edge_; }
+  [[nodiscard]] int down() const { return (images_.front().height + edge_ - 1) / edge_; }
+  [[nodiscard]] const LatLongView& image_of(std::size_t block) const {
+    return images_[block / static_cast<std::size_t>(across() * down())];
   }
   [[nodiscard]] Area area_of(std::size_t block) const {
     const auto number = static_cast<int>(block);
-    return files::area_of(picture_of(block), {0, 0, number / across() % down(), number % across(), 1}, edge_);
+    return files::area_of(image_of(block), {0, 0, number / across() % down(), number % across(), 1}, edge_);
   }
   [[nodiscard]] std::uint8_t* bytes_of(std::size_t block) const { return blocks_ + kBlockBytes * block; }
 
@@ -224,8 +224,8 @@ class Balancer {
     Sums light{};          ///< too much
   };
 
-  [[nodiscard]] Error error_of(const Area& area, Picture& given, const std::uint8_t* bytes) const {
-    Picture decoded(area.width, area.height);
+  [[nodiscard]] Error error_of(const Area& area, Image& given, const std::uint8_t* bytes) const {
+    Image decoded(area.width, area.height);
     constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
     require_success(astcenc_decompress_reset(context_));
     require_success(astcenc_decompress_image(context_, bytes, kBlockBytes, decoded.image(), &as_it_is, kThread));
@@ -243,8 +243,7 @@ class Balancer {
   [[nodiscard]] double excess(const Sums& off) const { return image::excess_of_means(off, total_); }
 
   [[nodiscard]] double cost_of(const Sums& rest, const Error& error) const {
-    const double values =
-        3.0 * pictures_.front().width * pictures_.front().height * static_cast<double>(pictures_.size());
+    const double values = 3.0 * images_.front().width * images_.front().height * static_cast<double>(images_.size());
     return excess(image::sum(rest, error.light)) + error.squares / (kWorth * values);
   }
 
@@ -261,8 +260,8 @@ class Balancer {
   void improve(std::size_t block, int trials) {
     jobs::throw_if_cancelled(stop_);
     const Area area = area_of(block);
-    Picture given(area.width, area.height);
-    read_area(picture_of(block), area, given);
+    Image given(area.width, area.height);
+    read_area(image_of(block), area, given);
     Sums light{};
     for (int k = 0; k < 4 * area.width * area.height; ++k) {
       if (k % 4 != 3) light[static_cast<std::size_t>(k % 4)] += static_cast<double>(given.values()[k]);
@@ -285,7 +284,7 @@ class Balancer {
         }
         scale[c] = std::clamp(scale[c], 0.5, 2.0);
       }
-      Picture changed(area.width, area.height);
+      Image changed(area.width, area.height);
       const auto values = std::size_t{4} * static_cast<std::size_t>(area.width * area.height);
       platform::ranges::copy(scaled({given.values(), values}, scale), changed.values());
       std::array<std::uint8_t, kBlockBytes> bytes{};
@@ -300,7 +299,7 @@ class Balancer {
     }
   }
 
-  const std::vector<LatLongView>& pictures_;
+  const std::vector<LatLongView>& images_;
   int edge_;
   astcenc_context* context_;
   const stop_token& stop_;
@@ -323,10 +322,9 @@ BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelK
   const auto blocks_across = [edge](int texels) { return static_cast<std::size_t>((texels + edge - 1) / edge); };
   BlockLevels encoded;
   std::vector<std::vector<image::BlockLight>> lights;
-  for (const std::vector<LatLongView>& pictures : levels) {
-    const LatLongView& first = pictures.front();
-    encoded.levels.emplace_back(kBlockBytes * blocks_across(first.width) * blocks_across(first.height) *
-                                pictures.size());
+  for (const std::vector<LatLongView>& images : levels) {
+    const LatLongView& first = images.front();
+    encoded.levels.emplace_back(kBlockBytes * blocks_across(first.width) * blocks_across(first.height) * images.size());
     lights.emplace_back(encoded.levels.back().size() / kBlockBytes);
   }
   const std::vector<Tile> tiles = tiles_of(levels, edge);
@@ -340,15 +338,15 @@ BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelK
   };
   const auto encode_tile = [&](std::size_t index, std::size_t worker) {
     const Tile& tile = tiles[index];
-    const LatLongView& view = levels[tile.level][tile.picture];
-    const std::size_t rows_above = tile.picture * blocks_across(view.height) + static_cast<std::size_t>(tile.block_row);
+    const LatLongView& view = levels[tile.level][tile.image];
+    const std::size_t rows_above = tile.image * blocks_across(view.height) + static_cast<std::size_t>(tile.block_row);
     const std::size_t block = rows_above * blocks_across(view.width) + static_cast<std::size_t>(tile.first_block);
     std::uint8_t* const to = encoded.levels[tile.level].data() + kBlockBytes * block;
     const Area area = area_of(view, tile, edge);
-    Picture picture(area.width, area.height);
-    clamped[index] = read_area(view, area, picture);
-    add_light(area, edge, picture.values(), lights[tile.level].data() + block);
-    encode(picture, tile.blocks, context_of(worker), to);
+    Image image(area.width, area.height);
+    clamped[index] = read_area(view, area, image);
+    add_light(area, edge, image.values(), lights[tile.level].data() + block);
+    encode(image, tile.blocks, context_of(worker), to);
   };
   jobs::run_tiles(tiles.size(), placement, contexts.size(), jobs::part_of(control, 0.0, 0.95), encode_tile);
   jobs::run_tiles(levels.size(), placement, contexts.size(), jobs::part_of(control, 0.95, 1.0),

@@ -140,13 +140,13 @@ std::string roughness_text(std::span<const MipRecord> mips) {
   return text;
 }
 
-const float* packed_floats(const LatLongView& picture) {
-  const std::ptrdiff_t packed = std::ptrdiff_t{12} * picture.width;
-  const bool is_packed = picture.row_stride_bytes == 0 || picture.row_stride_bytes == packed;
-  if (picture.format != PixelFormat::rgb32f || !is_packed)
+const float* packed_floats(const LatLongView& image) {
+  const std::ptrdiff_t packed = std::ptrdiff_t{12} * image.width;
+  const bool is_packed = image.row_stride_bytes == 0 || image.row_stride_bytes == packed;
+  if (image.format != PixelFormat::rgb32f || !is_packed)
     refuse("mips is a flat image that is not packed RGB_F32; convert it");
-  require(picture.pixels, "mips->faces[0]");
-  return static_cast<const float*>(picture.pixels);
+  require(image.pixels, "mips->faces[0]");
+  return static_cast<const float*>(image.pixels);
 }
 
 const welkin_chain& levels_of(const welkin_chain* chain, const char* name) {

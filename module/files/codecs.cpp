@@ -102,7 +102,7 @@ std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions&
   require_codec(Codec::exr, file.path(), "convert it to Radiance .hdr or PFM");
   return nullptr;
 }
-std::uint64_t write_exr(const OutputPicture& /*picture*/, const WriteJob& job) {
+std::uint64_t write_exr(const OutputImage& /*image*/, const WriteJob& job) {
   require_codec(Codec::exr, job.file.path(), "write .hdr or .pfm");
   return 0;
 }
@@ -117,7 +117,7 @@ std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions&
   require_codec(Codec::png, file.path(), "convert it to Radiance .hdr or PFM");
   return nullptr;
 }
-std::uint64_t write_png(const OutputPicture& /*picture*/, const WriteJob& job) {
+std::uint64_t write_png(const OutputImage& /*image*/, const WriteJob& job) {
   require_codec(Codec::png, job.file.path(), "write .hdr or .pfm");
   return 0;
 }
@@ -129,8 +129,8 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& /*rgb
   require_codec(Codec::png, "an .env", "write .ktx2 or .dds");
   return {};
 }
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/, const stop_token& /*stop*/) {
-  require_codec(Codec::png, picture.path, "use the image that the .env was made from");
+void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* /*rgba*/, const stop_token& /*stop*/) {
+  require_codec(Codec::png, image.path, "use the image that the .env was made from");
 }
 #endif
 
@@ -142,8 +142,8 @@ std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions
 #endif
 
 #if !WELKIN_WEBP
-void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* /*rgba*/) {
-  require_codec(Codec::webp, picture.path, "export it again with PNG images");
+void decode_webp_rgba(const EnvImageBytes& image, std::uint8_t* /*rgba*/) {
+  require_codec(Codec::webp, image.path, "export it again with PNG images");
 }
 #endif
 

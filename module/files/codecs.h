@@ -39,13 +39,13 @@ void require_codec(Codec codec, const std::filesystem::path& path, const std::st
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions& options);
 
-/// A JPEG with a gain map as rows of the picture of high dynamic range that the two make, the gains applied in full.
-/// `file` starts with a JPEG's first marker. The base picture is decoded by sRGB's curve, unless ReadOptions.transfer
+/// A JPEG with a gain map as rows of the image of high dynamic range that the two make, the gains applied in full.
+/// `file` starts with a JPEG's first marker. The base image is decoded by sRGB's curve, unless ReadOptions.transfer
 /// says linear; an ICC profile's primaries, which gains leave as they are, become Rec. 709 unless wanted as stored. A
-/// JPEG without a gain map, or with one that leads from a picture of high dynamic range down to an ordinary one, is
+/// JPEG without a gain map, or with one that leads from an image of high dynamic range down to an ordinary one, is
 /// refused.
 ///
-/// Rows come one after the other from the top, of both pictures. One that is progressive is held whole by libjpeg, as
+/// Rows come one after the other from the top, of both images. One that is progressive is held whole by libjpeg, as
 /// two bytes a sample. Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions& options);
 

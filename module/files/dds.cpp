@@ -108,7 +108,7 @@ std::uint64_t write_dds(const TextureJob& job) {
         const std::size_t bytes = blocks->levels[level].size() / job.faces();
         job.file.write(blocks->levels[level].data() + face * bytes, bytes);
       } else {
-        write_picture(job, job.levels[level][face], encoder, progress);
+        write_image(job, job.levels[level][face], encoder, progress);
       }
     }
   }

@@ -1,4 +1,4 @@
-// Babylon.js's .env files: their pictures, read and written.
+// Babylon.js's .env files: their images, read and written.
 #include "files/env.h"
 
 #include <algorithm>
@@ -28,26 +28,26 @@
 
 namespace welkin::files {
 
-void EnvPictureBytes::refuse(ErrorCode code, const std::string& message) const {
+void EnvImageBytes::refuse(ErrorCode code, const std::string& message) const {
   throw platform::file_error(code, path, what + " " + message);
 }
 
-void EnvPictureBytes::require_size(std::uint64_t width, std::uint64_t height) const {
+void EnvImageBytes::require_size(std::uint64_t width, std::uint64_t height) const {
   const auto wanted = static_cast<std::uint64_t>(size);
   if (width == wanted && height == wanted) return;
   refuse(ErrorCode::corrupt_file, "is " + std::to_string(width) + " x " + std::to_string(height) +
                                       " texels; its level has " + std::to_string(size) + " x " + std::to_string(size));
 }
 
-void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop) {
-  const std::vector<std::uint8_t>& bytes = picture.bytes;
+void decode_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop) {
+  const std::vector<std::uint8_t>& bytes = image.bytes;
   if (bytes.size() >= 8 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0) {
-    decode_png_rgba(picture, rgba, stop);
+    decode_png_rgba(image, rgba, stop);
   } else if (bytes.size() >= 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
              std::memcmp(bytes.data() + 8, "WEBP", 4) == 0) {
-    decode_webp_rgba(picture, rgba);
+    decode_webp_rgba(image, rgba);
   } else {
-    picture.refuse(ErrorCode::unsupported_file, "is neither a PNG nor a WebP by its first bytes; fetch the file again");
+    image.refuse(ErrorCode::unsupported_file, "is neither a PNG nor a WebP by its first bytes; fetch the file again");
   }
 }
 
@@ -94,26 +94,26 @@ constexpr std::array kFaceNames{"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
 
 std::uint64_t texels_of(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
 
-/// An upper bound on what a reader holds for pictures of that size, the libraries' memory included.
-std::uint64_t env_reader_bytes(int size, std::uint64_t picture_bytes) noexcept {
+/// An upper bound on what a reader holds for images of that size, the libraries' memory included.
+std::uint64_t env_reader_bytes(int size, std::uint64_t image_bytes) noexcept {
   // The bytes, the texels, and the texels once more inside libwebp (libspng holds rows), with its tables.
   constexpr std::uint64_t of_libraries = std::uint64_t{1} << 20U;
-  return picture_bytes + 12 * texels_of(size) + of_libraries;
+  return image_bytes + 12 * texels_of(size) + of_libraries;
 }
 
 /// "level 2, face -Y"
-std::string name_of_picture(std::size_t index) {
+std::string name_of_image(std::size_t index) {
   return "level " + std::to_string(index / 6) + ", face " + kFaceNames[index % 6] + ",";
 }
 
-std::uint64_t longest(const std::vector<EnvPicture>& pictures) {
+std::uint64_t longest(const std::vector<EnvImage>& images) {
   std::uint64_t most = 0;
-  for (const EnvPicture& picture : pictures) most = std::max(most, picture.length);
+  for (const EnvImage& image : images) most = std::max(most, image.length);
   return most;
 }
 
-int level_size(const EnvManifest& manifest, std::size_t picture) {
-  return std::max(1, manifest.width >> static_cast<int>(picture / 6));
+int level_size(const EnvManifest& manifest, std::size_t image) {
+  return std::max(1, manifest.width >> static_cast<int>(image / 6));
 }
 
 void check_memory(const std::filesystem::path& path, const EnvManifest& manifest, std::size_t workers,
@@ -123,8 +123,8 @@ void check_memory(const std::filesystem::path& path, const EnvManifest& manifest
     wanted += 18 * sizeof(float) * texels_of(manifest.width >> level);
   }
   const int largest = std::max(manifest.width, manifest.irradiance_size);
-  const std::uint64_t picture = std::max(longest(manifest.specular), longest(manifest.irradiance));
-  wanted += workers * env_reader_bytes(largest, picture);
+  const std::uint64_t image = std::max(longest(manifest.specular), longest(manifest.irradiance));
+  wanted += workers * env_reader_bytes(largest, image);
   if (wanted <= limit) return;
   throw platform::file_error(ErrorCode::limit_exceeded, path,
                              "its levels from " + std::to_string(manifest.width) + " texels take " +
@@ -142,14 +142,14 @@ void turn_rows(float* rgb, int size) {
 /// Faces out of an .env file. Each thread has its own.
 class EnvReader {
  public:
-  /// `stop` is looked at while a picture is decoded.
+  /// `stop` is looked at while an image is decoded.
   explicit EnvReader(const FileInput& input, stop_token stop = {}) : file_(open_file(input)), stop_(std::move(stop)) {}
 
-  /// A picture of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
+  /// An image of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
   /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
-  void read(const EnvPicture& picture, int size, const std::string& what, float* rgb) {
-    bytes_.resize(picture.length);
-    file_.seek(picture.position);
+  void read(const EnvImage& image, int size, const std::string& what, float* rgb) {
+    bytes_.resize(image.length);
+    file_.seek(image.position);
     file_.read(bytes_.data(), bytes_.size());
     rgba_.resize(4 * texels_of(size));
     decode_rgba({bytes_, size, file_.path(), what}, rgba_.data(), stop_);
@@ -198,7 +198,7 @@ class EnvRowReader final : public RowReader {
     const auto index = static_cast<std::size_t>(6 * level_ + mirrored_side(face));
     face_ = -1;
     face_pixels_.resize(rgb_bytes(size_, size_) / sizeof(float));
-    reader_.read(manifest_.specular[index], size_, name_of_picture(index), face_pixels_.data());
+    reader_.read(manifest_.specular[index], size_, name_of_image(index), face_pixels_.data());
     face_ = face;
   }
 
@@ -235,26 +235,26 @@ class EnvSource final : public RowSource {
   int level_;
 };
 
-// Files to be written: version 2, with PNG pictures.
+// Files to be written: version 2, with PNG images.
 
 /// A face to be encoded, and what became of it.
-struct Picture {
+struct Image {
   CubemapView view;
   int face = 0;
   std::vector<std::uint8_t> png{};
   std::uint64_t clamped = 0;
 };
 
-void encode(Picture& picture, const RgbdEncoder& encoder, const stop_token& stop) {
-  const auto size = static_cast<std::size_t>(picture.view.size);
+void encode(Image& image, const RgbdEncoder& encoder, const stop_token& stop) {
+  const auto size = static_cast<std::size_t>(image.view.size);
   std::vector<std::uint8_t> rgba(4 * size * size);
   for (std::size_t row = 0; row < size; ++row) {  // bottom row first
     jobs::throw_if_cancelled(stop);
-    const auto* rgb = static_cast<const float*>(
-        image::row_of(picture.view, picture.face, picture.view.size - 1 - static_cast<int>(row)));
-    picture.clamped += encoder.encode(rgb, size, rgba.data() + 4 * size * row);
+    const auto* rgb =
+        static_cast<const float*>(image::row_of(image.view, image.face, image.view.size - 1 - static_cast<int>(row)));
+    image.clamped += encoder.encode(rgb, size, rgba.data() + 4 * size * row);
   }
-  picture.png = encode_png_rgba(rgba, picture.view.size, stop);
+  image.png = encode_png_rgba(rgba, image.view.size, stop);
 }
 
 void require_finite(const glm::dvec3& value, const char* what) {
@@ -301,19 +301,19 @@ void check(const BabylonEnvironment& environment) {
 }
 
 /// The six faces of each, encoded in parallel, in that order.
-std::vector<Picture> encoded(const std::vector<CubemapView>& levels, const Control& control) {
-  std::vector<Picture> pictures;
+std::vector<Image> encoded(const std::vector<CubemapView>& levels, const Control& control) {
+  std::vector<Image> images;
   std::int64_t texels = 0;
   for (const CubemapView& view : levels) {
-    for (int face = 0; face < 6; ++face) pictures.push_back({view, face});
+    for (int face = 0; face < 6; ++face) images.push_back({view, face});
     texels = std::max(texels, std::int64_t{6} * view.size * view.size);
   }
   const RgbdEncoder encoder;
   constexpr std::int64_t as_texels = 16;  // packing one takes as long as doing other things with so many
   const jobs::Placement placement = jobs::placement_for(as_texels * texels);
-  jobs::run_tiles(pictures.size(), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t tile, std::size_t) { encode(pictures[tile], encoder, control.stop); });
-  return pictures;
+  jobs::run_tiles(images.size(), placement, jobs::worker_count(placement), control,
+                  [&](std::size_t tile, std::size_t) { encode(images[tile], encoder, control.stop); });
+  return images;
 }
 
 std::vector<CubemapView> levels_of(const BabylonEnvironment& environment) {
@@ -322,7 +322,7 @@ std::vector<CubemapView> levels_of(const BabylonEnvironment& environment) {
   return levels;
 }
 
-EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vector<Picture>& pictures) {
+EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vector<Image>& images) {
   EnvManifest manifest;
   manifest.width = environment.specular.size();
   manifest.polynomial = environment.polynomial;
@@ -331,10 +331,10 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
   manifest.dominant_direction = environment.dominant_direction;
   const std::size_t specular = std::size_t{6} * static_cast<std::size_t>(environment.specular.levels());
   std::uint64_t position = 0;
-  for (std::size_t index = 0; index < pictures.size(); ++index) {
+  for (std::size_t index = 0; index < images.size(); ++index) {
     auto& list = index < specular ? manifest.specular : manifest.irradiance;
-    list.push_back({position, pictures[index].png.size()});
-    position += pictures[index].png.size();
+    list.push_back({position, images[index].png.size()});
+    position += images[index].png.size();
   }
   return manifest;
 }
@@ -385,7 +385,7 @@ BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_
         auto& reader = readers[worker];
         if (!reader) reader = std::make_unique<files::EnvReader>(input, control.stop);
         if (tile < specular) {
-          reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_picture(tile),
+          reader->read(manifest.specular[tile], files::level_size(manifest, tile), files::name_of_image(tile),
                        environment.specular.face(static_cast<int>(tile / 6), static_cast<int>(tile % 6)));
         } else {
           const std::size_t face = tile - specular;
@@ -425,26 +425,26 @@ WriteReport write_babylon_environment(const FileOutput& output, const BabylonEnv
   files::require_codec(files::Codec::png, output.path(), "write a texture (.ktx2, .dds)");
   files::OutputFiles written;
   platform::WholeFile& file = written.add(output);
-  const std::vector<files::Picture> pictures =
+  const std::vector<files::Image> images =
       files::encoded(files::levels_of(environment), jobs::part_of(control, 0.0, 0.95));
 
   std::uint64_t values_clamped = 0;
-  const std::string manifest = files::env_manifest_bytes(files::manifest_for(environment, pictures));
+  const std::string manifest = files::env_manifest_bytes(files::manifest_for(environment, images));
   file.write(manifest.data(), manifest.size());
-  for (const files::Picture& picture : pictures) {
-    file.write(picture.png.data(), picture.png.size());
-    values_clamped += picture.clamped;
+  for (const files::Image& image : images) {
+    file.write(image.png.data(), image.png.size());
+    values_clamped += image.clamped;
   }
   return written.commit(values_clamped, control);
 }
 
-RgbdPictures rgbd_pictures(const Cubemap& chain, const Control& control) {
+RgbdImages rgbd_images(const Cubemap& chain, const Control& control) {
   const platform::FloatingPointScope floating_point;
   files::require_codec(files::Codec::png, "images of RGBD", "write a texture (.ktx2, .dds)");
-  RgbdPictures result;
-  for (files::Picture& picture : files::encoded(chain.views(), control)) {
-    result.png.push_back(std::move(picture.png));
-    result.values_clamped += picture.clamped;
+  RgbdImages result;
+  for (files::Image& image : files::encoded(chain.views(), control)) {
+    result.png.push_back(std::move(image.png));
+    result.values_clamped += image.clamped;
   }
   return result;
 }

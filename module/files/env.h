@@ -48,13 +48,13 @@ class RgbdDecoder {
   std::array<double, 256> linear_{};
 };
 
-// The text at the beginning of a Babylon.js .env file, and where its pictures lie.
+// The text at the beginning of a Babylon.js .env file, and where its images lie.
 //
-//   signature, JSON, a zero byte, pictures. Positions count from the byte after the zero.
+//   signature, JSON, a zero byte, images. Positions count from the byte after the zero.
 //   (@babylonjs/core 9.34, Misc/environmentTextureTools.)
 
-/// Bytes of one picture.
-struct EnvPicture {
+/// Bytes of one image.
+struct EnvImage {
   std::uint64_t position = 0;  ///< from the beginning of the file, once it is read; from the payload's when written
   std::uint64_t length = 0;
 };
@@ -65,15 +65,15 @@ struct EnvManifest {
   std::string image_type = "image/png";
   std::optional<BabylonPolynomial> polynomial;
   double lod_generation_scale = 0.8;
-  std::vector<EnvPicture> specular;  ///< level x 6 + face
-  int irradiance_size = 0;           ///< 0: there is no irradiance texture
-  std::vector<EnvPicture> irradiance;
+  std::vector<EnvImage> specular;  ///< level x 6 + face
+  int irradiance_size = 0;         ///< 0: there is no irradiance texture
+  std::vector<EnvImage> irradiance;
   std::optional<glm::dvec3> dominant_direction;
 
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(specular.size() / 6); }
 };
 
-/// Reads the signature and the text and checks all of it: every picture lies inside the file. Throws `Error`:
+/// Reads the signature and the text and checks all of it: every image lies inside the file. Throws `Error`:
 /// corrupt_file, unsupported_file (another kind of file, a newer version), file_access.
 [[nodiscard]] EnvManifest read_env_manifest(platform::ByteFile& file);
 
@@ -88,18 +88,18 @@ struct EnvManifest {
 /// each decodes whole. Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions& options);
 
-// The small pictures inside an .env file: RGBA of 8 bits, in memory.
+// The small images inside an .env file: RGBA of 8 bits, in memory.
 
-/// A picture as it stands in a file, of which messages speak as `what`. It must be `size` x `size` texels.
-struct EnvPictureBytes {
+/// An image as it stands in a file, of which messages speak as `what`. It must be `size` x `size` texels.
+struct EnvImageBytes {
   const std::vector<std::uint8_t>& bytes;
   int size;
   const std::filesystem::path& path;
   const std::string& what;
 
-  /// Throws `Error` naming the file and the picture.
+  /// Throws `Error` naming the file and the image.
   [[noreturn]] void refuse(ErrorCode code, const std::string& message) const;
-  /// Throws `Error` (corrupt_file) if a picture of these edges is another one than the level's.
+  /// Throws `Error` (corrupt_file) if an image of these edges is another one than the level's.
   void require_size(std::uint64_t width, std::uint64_t height) const;
 };
 
@@ -110,10 +110,10 @@ struct EnvPictureBytes {
 
 /// Decodes a PNG or a WebP, told by its first bytes, to 4 x size x size bytes. `stop` is looked at before each row of a
 /// PNG. Throws `Error`: corrupt_file, unsupported_file, cancelled.
-void decode_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop = {});
+void decode_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop = {});
 
 // One function a library; a build can leave out either (codecs.h).
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop);
-void decode_webp_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba);
+void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop);
+void decode_webp_rgba(const EnvImageBytes& image, std::uint8_t* rgba);
 
 }  // namespace welkin::files

@@ -88,14 +88,14 @@ int edge(const Json& value, const char* what, bool power) {
   return static_cast<int>(size);
 }
 
-std::vector<EnvPicture> pictures(const Json& list, std::size_t count, const char* what, const platform::ByteFile& file,
-                                 std::uint64_t first_byte) {
+std::vector<EnvImage> images(const Json& list, std::size_t count, const char* what, const platform::ByteFile& file,
+                             std::uint64_t first_byte) {
   if (!list.is_array() || list.size() != count) {
     refuse("has " + std::to_string(list.size()) + " images in \"" + what + "\"; there must be " +
            std::to_string(count));
   }
   const std::uint64_t payload = file.size() - first_byte;
-  std::vector<EnvPicture> found;
+  std::vector<EnvImage> found;
   for (const Json& entry : list) {
     const std::uint64_t position = whole_number(require(entry, "position"), "position");
     const std::uint64_t length = whole_number(require(entry, "length"), "length");
@@ -126,7 +126,7 @@ void take_irradiance(EnvManifest& manifest, const Json& irradiance, const platfo
   const Json* texture = find(irradiance, "irradianceTexture");
   if (texture == nullptr) return;
   manifest.irradiance_size = edge(require(*texture, "size"), "size", false);
-  manifest.irradiance = pictures(require(*texture, "faces"), 6, "irradianceTexture", file, first_byte);
+  manifest.irradiance = images(require(*texture, "faces"), 6, "irradianceTexture", file, first_byte);
   if (const Json* direction = find(*texture, "dominantDirection")) {
     manifest.dominant_direction = triple(*direction, "dominantDirection");
   }
@@ -148,7 +148,7 @@ EnvManifest read_manifest(const Json& json, const platform::ByteFile& file, std:
   manifest.width = edge(require(json, "width"), "width", true);
   const Json& specular = require(json, "specular");
   const auto levels = static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(manifest.width))) + 1;
-  manifest.specular = pictures(require(specular, "mipmaps"), 6 * levels, "mipmaps", file, first_byte);
+  manifest.specular = images(require(specular, "mipmaps"), 6 * levels, "mipmaps", file, first_byte);
   if (const Json* scale = find(specular, "lodGenerationScale")) {
     manifest.lod_generation_scale = number(*scale, "lodGenerationScale");
     if (manifest.lod_generation_scale < 0.0) refuse("has a \"lodGenerationScale\" below 0");
@@ -185,9 +185,9 @@ Json parse(const std::string& text) {
 
 OrderedJson as_json(const glm::dvec3& value) { return OrderedJson::array({value.x, value.y, value.z}); }
 
-OrderedJson as_json(const std::vector<EnvPicture>& list) {
+OrderedJson as_json(const std::vector<EnvImage>& list) {
   OrderedJson json = OrderedJson::array();
-  for (const EnvPicture& picture : list) json.push_back({{"length", picture.length}, {"position", picture.position}});
+  for (const EnvImage& image : list) json.push_back({{"length", image.length}, {"position", image.position}});
   return json;
 }
 

@@ -20,7 +20,7 @@
 namespace welkin::files {
 namespace {
 
-// Whether the picture's rows are those of `Environment::pixels`, in their order.
+// Whether the image's rows are those of `Environment::pixels`, in their order.
 bool lies_as_in_memory(const RowSource& source) {
   const Layout layout = source.info().layout;
   return layout == Layout::lat_long || layout == Layout::six_files ||
@@ -33,7 +33,7 @@ std::uint64_t pixel_bytes(const EnvironmentInfo& info) {
   return rgb_bytes(size, 6 * size);
 }
 
-// Each texel of a face has one place in the picture: groups write to different places.
+// Each texel of a face has one place in the image: groups write to different places.
 void scatter_faces(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* pixels) {
   const EnvironmentInfo& info = source.info();
   const CubePlacement& placement = placement_in(source);
@@ -43,12 +43,12 @@ void scatter_faces(const RowSource& source, std::uint64_t memory_limit_bytes, co
   const RowGroups groups{comfortable_group_rows(source), memory_limit_bytes};
   for_each_row_group(source, groups, control, [&](const RowGroup& group) {
     for (int row = 0; row < group.row_count; ++row) {
-      const float* picture_row = group.rgb + 3 * width * static_cast<std::size_t>(row);
+      const float* image_row = group.rgb + 3 * width * static_cast<std::size_t>(row);
       for (const FaceSegment& segment : row_segments(placement, size, group.first_row + row)) {
         const std::size_t face_row =
             static_cast<std::size_t>(segment.face) * edge + static_cast<std::size_t>(segment.face_row);
-        copy_segment(picture_row + 3 * static_cast<std::size_t>(segment.first_column), pixels + 3 * edge * face_row,
-                     size, segment.mirrored);
+        copy_segment(image_row + 3 * static_cast<std::size_t>(segment.first_column), pixels + 3 * edge * face_row, size,
+                     segment.mirrored);
       }
     }
   });
@@ -132,7 +132,7 @@ void add_texels(RowStatistics& row, const float* rgb, int first_column, std::spa
   }
 }
 
-// Where the picture's texels are on the sphere. What lies between the faces of a cross is nowhere.
+// Where the image's texels are on the sphere. What lies between the faces of a cross is nowhere.
 class Geometry {
  public:
   explicit Geometry(const RowSource& source)
@@ -146,7 +146,7 @@ class Geometry {
     return size_ > 0 ? 6 * edge * edge : static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
   }
 
-  /// `angles`: room for the picture's width.
+  /// `angles`: room for the image's width.
   [[nodiscard]] RowStatistics measure_row(const float* rgb, int row, std::vector<double>& angles) const {
     RowStatistics found;
     if (placement_ == nullptr) {
@@ -165,7 +165,7 @@ class Geometry {
     return found;
   }
 
-  /// Of the centre of a texel of the picture that is on the sphere.
+  /// Of the centre of a texel of the image that is on the sphere.
   [[nodiscard]] glm::dvec3 direction(int column, int row) const {
     if (placement_ == nullptr) return image::lat_long_direction(width_, height_, column + 0.5, row + 0.5);
     for (const FaceSegment& segment : row_segments(*placement_, size_, row)) {
@@ -288,8 +288,8 @@ EnvironmentStatistics measure_environment(const FileInput& input, const ReadOpti
     std::vector<double> solid_angles(width);
     for (int row = 0; row < group.row_count; ++row) {
       const float* rgb = group.rgb + static_cast<std::size_t>(row) * 3 * width;
-      const int picture_row = group.first_row + row;
-      rows[static_cast<std::size_t>(picture_row)] = geometry.measure_row(rgb, picture_row, solid_angles);
+      const int image_row = group.first_row + row;
+      rows[static_cast<std::size_t>(image_row)] = geometry.measure_row(rgb, image_row, solid_angles);
     }
   });
   return files::summarise(geometry, rows);

@@ -12,7 +12,7 @@
 
 namespace welkin::files {
 
-/// Where a cube's faces lie in the picture. Throws `Error` (invalid_argument) for a lat-long.
+/// Where a cube's faces lie in the image. Throws `Error` (invalid_argument) for a lat-long.
 [[nodiscard]] const CubePlacement& placement_in(const RowSource& source);
 
 /// Decodes all rows of a source, several groups at a time; the faces of a cube, whatever its layout, go each to its

@@ -45,7 +45,7 @@ WELKIN_RUN_BEFORE_STATIC_OBJECTS static void make_openexr_statics() {
 struct ExrPart {
   Imf::Header header;
   bool tiled = false;
-  bool deep = false;   ///< holds samples at depths, or is of a type that is not known: no picture
+  bool deep = false;   ///< holds samples at depths, or is of a type that is not known: no image
   std::string name{};  ///< fit to be printed; empty in a single-part file that has none
 };
 
@@ -70,7 +70,7 @@ std::uint64_t check_exr_tables(const ExrParts& parts, const platform::ByteFile& 
 [[nodiscard]] std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& path,
                                           const std::string& asked_for, const std::string& layer);
 
-// Which of an OpenEXR part's channels make the picture.
+// Which of an OpenEXR part's channels make the image.
 
 struct ExrChannels {
   enum class Kind {
@@ -85,12 +85,12 @@ struct ExrChannels {
 /// A layer is what stands before a channel's last dot: "env" of "env.R", "a.b" of "a.b.R". Views other than the
 /// default one of a multi-view file are named the same way ("left.R"), and are layers here.
 ///
-/// A layer is a picture if it has R, G and B (also written r g b, red green blue, Red Green Blue, as compositors do)
+/// A layer is an image if it has R, G and B (also written r g b, red green blue, Red Green Blue, as compositors do)
 /// or else Y, perhaps with RY and BY. X, Y and Z together are a vector, as renderers write for normals and positions,
-/// and no picture. Alpha, depth and the like are read past; colour is taken as it is, premultiplied or not.
+/// and no image. Alpha, depth and the like are read past; colour is taken as it is, premultiplied or not.
 
-/// Whether there is a picture in `layer` (in any, if that is empty): one in colour, or any other.
-[[nodiscard]] bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour);
+/// Whether there is an image in `layer` (in any, if that is empty): one in colour, or any other.
+[[nodiscard]] bool holds_image(const Imf::ChannelList& channels, const std::string& layer, bool in_colour);
 
 // What an OpenEXR header promises, checked before any pixel memory is made for it.
 
@@ -98,9 +98,9 @@ struct ExrChannels {
 /// of four float channels at DWAB's 256 scanlines take half of it.
 inline constexpr std::uint64_t kMaximumUnitBytes = std::uint64_t{512} << 20U;
 
-/// One part, layer and level of a scanline or tiled file. The picture is `info.width` x `info.height`; what is
+/// One part, layer and level of a scanline or tiled file. The image is `info.width` x `info.height`; what is
 /// stored is data_width x data_height, and usually the same rectangle.
-struct ExrPicture {
+struct ExrImage {
   EnvironmentInfo info;  ///< complete, layout included
   FileInput input;       ///< what readers open
   int part = 0;
@@ -114,7 +114,7 @@ struct ExrPicture {
   int first_row = 0;
   int data_width = 0;  ///< at the level
   int data_height = 0;
-  int column_offset = 0;  ///< of the picture's (0, 0) in the stored texels; negative if that is not stored
+  int column_offset = 0;  ///< of the image's (0, 0) in the stored texels; negative if that is not stored
   int row_offset = 0;
   int unit_rows = 1;              ///< rows that decode together, at most the data's height
   std::uint64_t unit_bytes = 0;   ///< of one block of scanlines or tile, uncompressed, all channels
@@ -127,9 +127,9 @@ struct ExrPicture {
 
 /// Reads and checks all of a file's headers and chooses part, layer, level and window. `file` stands at its beginning.
 /// Throws as `inspect_environment`.
-[[nodiscard]] ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options);
+[[nodiscard]] ExrImage inspect_exr(platform::ByteFile& file, const ReadOptions& options);
 
-// Compressions, and sizes of an OpenEXR picture's levels.
+// Compressions, and sizes of an OpenEXR image's levels.
 
 /// Scanlines that a compression packs together; 0 if the compression is not known.
 [[nodiscard]] int scanlines_per_block(Imf::Compression compression) noexcept;
@@ -137,7 +137,7 @@ struct ExrPicture {
 /// "none", "zip", ..; nullptr if it is not known.
 [[nodiscard]] const char* compression_name(Imf::Compression compression) noexcept;
 
-/// The levels of a picture of width x height, full size first: of a mip map all, of a rip map those that shrink both
+/// The levels of an image of width x height, full size first: of a mip map all, of a rip map those that shrink both
 /// ways, else one. Each edge halves from level to level, rounded as the file says, down to 1
 /// (ImfTileDescription.h; the chain ends where the longer edge of a mip map, the shorter one of a rip map is 1).
 [[nodiscard]] std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height);

@@ -280,7 +280,7 @@ bool at_last_header(platform::ByteFile& file) {
   return byte == 0;
 }
 
-// What the library does with types: a single-part picture's flags decide, whatever its type attribute says.
+// What the library does with types: a single-part image's flags decide, whatever its type attribute says.
 ExrPart describe_part(Imf::Header header, int version, const std::filesystem::path& path, std::size_t index) {
   ExrPart part;
   part.name = header.hasName() ? platform::printable(header.name()) : "";
@@ -392,7 +392,7 @@ std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& 
   for (const bool in_colour : {true, false}) {
     for (std::size_t i = 0; i < parts.parts.size(); ++i) {
       const ExrPart& part = parts.parts[i];
-      if (!part.deep && holds_picture(part.header.channels(), layer, in_colour)) {
+      if (!part.deep && holds_image(part.header.channels(), layer, in_colour)) {
         return i;
       }
     }

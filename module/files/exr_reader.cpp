@@ -23,34 +23,34 @@ namespace {
 
 constexpr int kLibraryThreads = 0;
 
-// A row of tiles must fit where one of the first picture's did, and its levels must be there.
-bool are_same_tiles(const ExrPicture& picture, const Imf::Header& header) {
+// A row of tiles must fit where one of the first image's did, and its levels must be there.
+bool are_same_tiles(const ExrImage& image, const Imf::Header& header) {
   const Imf::TileDescription& tiles = header.tileDescription();
-  const LevelInfo& full = picture.info.levels.front();
+  const LevelInfo& full = image.info.levels.front();
   const std::vector<LevelInfo> levels = level_sizes(tiles, full.width, full.height);
-  const bool same_levels = std::equal(levels.begin(), levels.end(), picture.info.levels.begin(),
-                                      picture.info.levels.end(), [](const LevelInfo& one, const LevelInfo& other) {
+  const bool same_levels = std::equal(levels.begin(), levels.end(), image.info.levels.begin(), image.info.levels.end(),
+                                      [](const LevelInfo& one, const LevelInfo& other) {
                                         return one.width == other.width && one.height == other.height;
                                       });
-  const auto height = static_cast<unsigned>(picture.data_height);
-  return same_levels && std::min(tiles.ySize, height) == static_cast<unsigned>(picture.unit_rows);
+  const auto height = static_cast<unsigned>(image.data_height);
+  return same_levels && std::min(tiles.ySize, height) == static_cast<unsigned>(image.unit_rows);
 }
 
 // The level's size is the data window's only at level 0; the others follow from it.
-bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& file) {
-  if (picture.part >= file.parts()) {
+bool is_same_image(const ExrImage& image, const Imf::MultiPartInputFile& file) {
+  if (image.part >= file.parts()) {
     return false;
   }
-  const Imf::Header& header = file.header(picture.part);
+  const Imf::Header& header = file.header(image.part);
   const Imath::Box2i& window = header.dataWindow();
-  const LevelInfo& full = picture.info.levels.front();
+  const LevelInfo& full = image.info.levels.front();
   const Imath::V2i size =
-      picture.is_framed() ? Imath::V2i(picture.data_width, picture.data_height) : Imath::V2i(full.width, full.height);
+      image.is_framed() ? Imath::V2i(image.data_width, image.data_height) : Imath::V2i(full.width, full.height);
   const std::string& luminance_or_green =
-      picture.channels.names[picture.channels.kind == ExrChannels::Kind::luminance ? 0 : 1];
-  return window.min == Imath::V2i(picture.first_column, picture.first_row) &&
-         window.size() == size - Imath::V2i(1, 1) && header.channels().findChannel(luminance_or_green) != nullptr &&
-         (header.type() == Imf::TILEDIMAGE) == picture.tiled && (!picture.tiled || are_same_tiles(picture, header));
+      image.channels.names[image.channels.kind == ExrChannels::Kind::luminance ? 0 : 1];
+  return window.min == Imath::V2i(image.first_column, image.first_row) && window.size() == size - Imath::V2i(1, 1) &&
+         header.channels().findChannel(luminance_or_green) != nullptr &&
+         (header.type() == Imf::TILEDIMAGE) == image.tiled && (!image.tiled || are_same_tiles(image, header));
 }
 
 // A handle on one part of an OpenEXR file: one for every reader, which opens the file again. If it is another one by
@@ -62,11 +62,11 @@ bool is_same_picture(const ExrPicture& picture, const Imf::MultiPartInputFile& f
 // Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
 // whose writer was stopped), the library finds the blocks itself on opening.
 struct ExrFile {
-  // Throws `Error`: file_access if the file is not the one that `picture` was made from.
-  explicit ExrFile(const ExrPicture& picture)
-      : bytes(open_file(picture.input)), stream(bytes), file(stream, kLibraryThreads) {
-    if (!is_same_picture(picture, file)) {
-      throw platform::file_error(ErrorCode::file_access, picture.info.path,
+  // Throws `Error`: file_access if the file is not the one that `image` was made from.
+  explicit ExrFile(const ExrImage& image)
+      : bytes(open_file(image.input)), stream(bytes), file(stream, kLibraryThreads) {
+    if (!is_same_image(image, file)) {
+      throw platform::file_error(ErrorCode::file_access, image.info.path,
                                  "has changed while it was read; read it again");
     }
   }
@@ -116,7 +116,7 @@ std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
 class ExrBlocks {
  public:
   /// Both outlive this.
-  ExrBlocks(const ExrPicture& picture, const Imf::Header& header) : picture_(picture), header_(header) {}
+  ExrBlocks(const ExrImage& image, const Imf::Header& header) : image_(image), header_(header) {}
 
   /// Throws `Error` (corrupt_file) if the block of rows, which the library has read since this was asked last, unpacks
   /// to less than its texels take. `row`: any of it, in the file's coordinates. Costs undoing ZIP once more.
@@ -124,9 +124,9 @@ class ExrBlocks {
     const std::optional<std::span<const char>> block = stream.take_block();
     if (!block) return;
     const Imath::Box2i& window = header_.dataWindow();
-    const int first = row - (row - window.min.y) % picture_.unit_rows;
+    const int first = row - (row - window.min.y) % image_.unit_rows;
     std::uint64_t expected = 0;
-    for (int each = first; each <= std::min(first + picture_.unit_rows - 1, window.max.y); ++each) {
+    for (int each = first; each <= std::min(first + image_.unit_rows - 1, window.max.y); ++each) {
       expected += row_bytes(header_.channels(), each, window.min.x, window.max.x);
     }
     check(*block, expected, "the block of row " + std::to_string(first));
@@ -138,8 +138,8 @@ class ExrBlocks {
     if (!block) return;
     const Imf::TileDescription& tiles = header_.tileDescription();
     const auto width = static_cast<int>(tiles.xSize);
-    const int columns = std::min(width, picture_.data_width - column * width);
-    const int rows = std::min(picture_.unit_rows, picture_.data_height - row * picture_.unit_rows);
+    const int columns = std::min(width, image_.data_width - column * width);
+    const int rows = std::min(image_.unit_rows, image_.data_height - row * image_.unit_rows);
     const std::uint64_t expected = static_cast<std::uint64_t>(rows) * row_bytes(header_.channels(), 0, 0, columns - 1);
     check(*block, expected, "tile " + std::to_string(column) + ", " + std::to_string(row));
   }
@@ -157,49 +157,49 @@ class ExrBlocks {
       }
     }
     if (!unpacked || *unpacked >= expected) return;
-    throw platform::file_error(ErrorCode::corrupt_file, picture_.info.path,
+    throw platform::file_error(ErrorCode::corrupt_file, image_.info.path,
                                what + " unpacks to " + std::to_string(*unpacked) + " bytes, its texels take " +
                                    std::to_string(expected) + "; fetch or export it again");
   }
 
-  const ExrPicture& picture_;
+  const ExrImage& image_;
   const Imf::Header& header_;
 };
 
 using Kind = ExrChannels::Kind;
 
 // The stored texel (first_column, row) goes to `rgb`, as float; uint channels become the numbers that they state.
-Imf::FrameBuffer frame_buffer(const ExrPicture& picture, int row, float* rgb) {
+Imf::FrameBuffer frame_buffer(const ExrImage& image, int row, float* rgb) {
   constexpr std::size_t kTexel = 3 * sizeof(float);
-  const std::size_t stride = kTexel * static_cast<std::size_t>(picture.data_width);
+  const std::size_t stride = kTexel * static_cast<std::size_t>(image.data_width);
   Imf::FrameBuffer buffer;
-  for (std::size_t i = 0; i < (picture.channels.kind == Kind::luminance ? 1 : 3); ++i) {
-    buffer.insert(picture.channels.names[i], exr_slice(Imf::FLOAT, rgb + i, picture.first_column, row, kTexel, stride));
+  for (std::size_t i = 0; i < (image.channels.kind == Kind::luminance ? 1 : 3); ++i) {
+    buffer.insert(image.channels.names[i], exr_slice(Imf::FLOAT, rgb + i, image.first_column, row, kTexel, stride));
   }
   return buffer;
 }
 
 class ScanlineReader final : public RowReader {
  public:
-  explicit ScanlineReader(const ExrPicture& picture)
-      : picture_(picture), file_(picture), input_(file_.file, picture.part), blocks_(picture, input_.header()) {}
+  explicit ScanlineReader(const ExrImage& image)
+      : image_(image), file_(image), input_(file_.file, image.part), blocks_(image, input_.header()) {}
 
   void read(int first_row, int row_count, float* rgb) override {
-    const int top = picture_.first_row + first_row;
+    const int top = image_.first_row + first_row;
     const int end = first_row + row_count;
-    call_openexr(picture_.info.path, [&] {
-      input_.setFrameBuffer(frame_buffer(picture_, top, rgb));
+    call_openexr(image_.info.path, [&] {
+      input_.setFrameBuffer(frame_buffer(image_, top, rgb));
       for (int row = first_row; row < end;) {
-        const int next = std::min(end, (row / picture_.unit_rows + 1) * picture_.unit_rows);
-        input_.readPixels(picture_.first_row + row, picture_.first_row + next - 1);
-        blocks_.check_rows(file_.stream, picture_.first_row + row);
+        const int next = std::min(end, (row / image_.unit_rows + 1) * image_.unit_rows);
+        input_.readPixels(image_.first_row + row, image_.first_row + next - 1);
+        blocks_.check_rows(file_.stream, image_.first_row + row);
         row = next;
       }
     });
   }
 
  private:
-  const ExrPicture& picture_;
+  const ExrImage& image_;
   ExrFile file_;
   Imf::InputPart input_;
   ExrBlocks blocks_;
@@ -208,16 +208,16 @@ class ScanlineReader final : public RowReader {
 // Reads one level of any tiled file, a row of tiles at a time.
 class TiledReader final : public RowReader {
  public:
-  explicit TiledReader(const ExrPicture& picture)
-      : picture_(picture), file_(picture), input_(file_.file, picture.part), blocks_(picture, input_.header()) {}
+  explicit TiledReader(const ExrImage& image)
+      : image_(image), file_(image), input_(file_.file, image.part), blocks_(image, input_.header()) {}
 
   void read(int first_row, int row_count, float* rgb) override {
-    const int tile_rows = picture_.unit_rows;
+    const int tile_rows = image_.unit_rows;
     const int end = first_row + row_count;
-    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture_.data_width);
+    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(image_.data_width);
     for (int tile = first_row / tile_rows; tile * tile_rows < end; ++tile) {
       const int tile_first = tile * tile_rows;
-      const int tile_end = std::min(tile_first + tile_rows, picture_.data_height);
+      const int tile_end = std::min(tile_first + tile_rows, image_.data_height);
       const int from = std::max(first_row, tile_first);
       const int to = std::min(end, tile_end);
       float* place = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
@@ -234,9 +234,9 @@ class TiledReader final : public RowReader {
 
  private:
   void read_tiles(int tile, int tile_first, float* rgb) {
-    const int level = picture_.level;
-    call_openexr(picture_.info.path, [&] {
-      input_.setFrameBuffer(frame_buffer(picture_, picture_.first_row + tile_first, rgb));
+    const int level = image_.level;
+    call_openexr(image_.info.path, [&] {
+      input_.setFrameBuffer(frame_buffer(image_, image_.first_row + tile_first, rgb));
       for (int column = 0; column < input_.numXTiles(level); ++column) {
         input_.readTile(column, tile, level, level);
         blocks_.check_tile(file_.stream, column, tile);
@@ -244,7 +244,7 @@ class TiledReader final : public RowReader {
     });
   }
 
-  const ExrPicture& picture_;
+  const ExrImage& image_;
   ExrFile file_;
   Imf::TiledInputPart input_;
   ExrBlocks blocks_;
@@ -254,68 +254,66 @@ class TiledReader final : public RowReader {
 // What is done to rows as they are stored: Y alone is spread to three channels, primaries are converted.
 class ColourReader final : public RowReader {
  public:
-  ColourReader(std::unique_ptr<RowReader> reader, const ExrPicture& picture)
-      : reader_(std::move(reader)), picture_(picture) {}
+  ColourReader(std::unique_ptr<RowReader> reader, const ExrImage& image) : reader_(std::move(reader)), image_(image) {}
 
   void read(int first_row, int row_count, float* rgb) override {
     reader_->read(first_row, row_count, rgb);
-    const std::size_t texels = static_cast<std::size_t>(picture_.data_width) * static_cast<std::size_t>(row_count);
-    if (picture_.channels.kind == Kind::luminance) {
+    const std::size_t texels = static_cast<std::size_t>(image_.data_width) * static_cast<std::size_t>(row_count);
+    if (image_.channels.kind == Kind::luminance) {
       for (std::size_t i = 0; i < texels; ++i) {
         rgb[3 * i + 1] = rgb[3 * i + 2] = rgb[3 * i];
       }
     }
-    if (picture_.to_rec709) {
-      apply(*picture_.to_rec709, rgb, texels);
+    if (image_.to_rec709) {
+      apply(*image_.to_rec709, rgb, texels);
     }
   }
 
  private:
   std::unique_ptr<RowReader> reader_;
-  const ExrPicture& picture_;
+  const ExrImage& image_;
 };
 
-// Rows of a picture that is another rectangle than what is stored, from rows of the latter.
+// Rows of an image that is another rectangle than what is stored, from rows of the latter.
 class FramedReader final : public RowReader {
  public:
-  FramedReader(std::unique_ptr<RowReader> reader, const ExrPicture& picture)
-      : reader_(std::move(reader)), picture_(picture) {}
+  FramedReader(std::unique_ptr<RowReader> reader, const ExrImage& image) : reader_(std::move(reader)), image_(image) {}
 
   void read(int first_row, int row_count, float* rgb) override {
-    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture_.info.width);
+    const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(image_.info.width);
     std::fill_n(rgb, row_floats * static_cast<std::size_t>(row_count), 0.0F);
-    const int first = std::max(first_row + picture_.row_offset, 0);
-    const int end = std::min(first_row + row_count + picture_.row_offset, picture_.data_height);
+    const int first = std::max(first_row + image_.row_offset, 0);
+    const int end = std::min(first_row + row_count + image_.row_offset, image_.data_height);
     for (int row = first; row < end;) {
       // As far as one block of the file reaches, so that each is decoded once.
-      const int count = std::min(end, (row / picture_.unit_rows + 1) * picture_.unit_rows) - row;
-      stored_.resize(std::size_t{3} * static_cast<std::size_t>(picture_.data_width) *
-                     static_cast<std::size_t>(picture_.unit_rows));
+      const int count = std::min(end, (row / image_.unit_rows + 1) * image_.unit_rows) - row;
+      stored_.resize(std::size_t{3} * static_cast<std::size_t>(image_.data_width) *
+                     static_cast<std::size_t>(image_.unit_rows));
       reader_->read(row, count, stored_.data());
-      const int picture_row = row - picture_.row_offset - first_row;
-      place(count, rgb + static_cast<std::size_t>(picture_row) * row_floats);
+      const int image_row = row - image_.row_offset - first_row;
+      place(count, rgb + static_cast<std::size_t>(image_row) * row_floats);
       row += count;
     }
   }
 
  private:
   void place(int row_count, float* rgb) const {
-    const int from = std::max(picture_.column_offset, 0);
-    const int to = std::min(picture_.column_offset + picture_.info.width, picture_.data_width);
+    const int from = std::max(image_.column_offset, 0);
+    const int to = std::min(image_.column_offset + image_.info.width, image_.data_width);
     const auto floats = [](int texels) { return 3 * static_cast<std::ptrdiff_t>(texels); };
     for (int row = 0; row < row_count; ++row) {
-      const float* stored = stored_.data() + floats(picture_.data_width) * row;
+      const float* stored = stored_.data() + floats(image_.data_width) * row;
       std::copy(stored + floats(from), stored + floats(to),
-                rgb + floats(picture_.info.width) * row + floats(from - picture_.column_offset));
+                rgb + floats(image_.info.width) * row + floats(from - image_.column_offset));
     }
   }
 
   std::unique_ptr<RowReader> reader_;
-  const ExrPicture& picture_;
+  const ExrImage& image_;
   std::vector<float> stored_;  // one unit's rows
 };
 
-// Pictures of luminance and subsampled chroma.
+// Images of luminance and subsampled chroma.
 
 namespace yca = Imf::RgbaYca;
 
@@ -334,12 +332,12 @@ const Imf::Rgba kBlack(0.0F, 0.0F, 0.0F, 0.0F);
 // by the margin; the nearest row with chroma stands in there.
 class LuminanceChromaReader final : public RowReader {
  public:
-  explicit LuminanceChromaReader(const ExrPicture& picture)
-      : picture_(picture),
-        width_(static_cast<std::size_t>(picture.data_width)),
-        file_(picture),
-        input_(file_.file, picture.part),
-        blocks_(picture, input_.header()),
+  explicit LuminanceChromaReader(const ExrImage& image)
+      : image_(image),
+        width_(static_cast<std::size_t>(image.data_width)),
+        file_(image),
+        input_(file_.file, image.part),
+        blocks_(image, input_.header()),
         weights_(luminance_weights(input_.header())),
         line_(width_ + yca::N - 1, kBlack),
         held_(width_ * kHeldRows, kBlack),
@@ -349,9 +347,9 @@ class LuminanceChromaReader final : public RowReader {
   }
 
   void read(int first_row, int row_count, float* rgb) override {
-    call_openexr(picture_.info.path, [&] {
+    call_openexr(image_.info.path, [&] {
       for (int row = 0; row < row_count; row += kBlockRows) {
-        read_block(picture_.first_row + first_row + row, std::min(kBlockRows, row_count - row),
+        read_block(image_.first_row + first_row + row, std::min(kBlockRows, row_count - row),
                    rgb + 3 * width_ * static_cast<std::size_t>(row));
       }
     });
@@ -362,17 +360,17 @@ class LuminanceChromaReader final : public RowReader {
     return yca::computeYw(Imf::hasChromaticities(header) ? Imf::chromaticities(header) : Imf::Chromaticities());
   }
 
-  // One line, wherever it is in the picture, with half a filter's width free at both ends.
+  // One line, wherever it is in the image, with half a filter's width free at both ends.
   void set_frame_buffer() {
     Imf::Rgba* first = line_.data() + yca::N2;
     const auto slice = [&](half* component, int sampling) {
-      return exr_slice(Imf::HALF, component, picture_.first_column, 0,
+      return exr_slice(Imf::HALF, component, image_.first_column, 0,
                        static_cast<std::size_t>(sampling) * sizeof(Imf::Rgba), 0, sampling);
     };
     Imf::FrameBuffer buffer;
-    buffer.insert(picture_.channels.names[0], slice(&first->r, 2));
-    buffer.insert(picture_.channels.names[1], slice(&first->g, 1));
-    buffer.insert(picture_.channels.names[2], slice(&first->b, 2));
+    buffer.insert(image_.channels.names[0], slice(&first->r, 2));
+    buffer.insert(image_.channels.names[1], slice(&first->g, 1));
+    buffer.insert(image_.channels.names[2], slice(&first->b, 2));
     input_.setFrameBuffer(buffer);
   }
 
@@ -382,8 +380,8 @@ class LuminanceChromaReader final : public RowReader {
 
   // The row's luminance, and chroma at every texel if its row has any.
   void decode(int position, Imf::Rgba* row) {
-    const int top = picture_.first_row;
-    const int bottom = top + picture_.data_height - 1;
+    const int top = image_.first_row;
+    const int bottom = top + image_.data_height - 1;
     const int nearest = position < top ? top : position > bottom ? bottom - 1 : position;
     input_.readPixels(nearest);
     blocks_.check_rows(file_.stream, nearest);
@@ -393,7 +391,7 @@ class LuminanceChromaReader final : public RowReader {
     }
     std::fill_n(line_.begin(), yca::N2, line_[yca::N2]);
     std::fill_n(line_.end() - yca::N2, yca::N2, line_[width_ + yca::N2 - 2]);
-    yca::reconstructChromaHoriz(picture_.data_width, line_.data(), row);
+    yca::reconstructChromaHoriz(image_.data_width, line_.data(), row);
   }
 
   // Holds the positions [first, end): those that are here already are moved, the others decoded.
@@ -415,15 +413,15 @@ class LuminanceChromaReader final : public RowReader {
 
   void reconstruct(int position, Imf::Rgba* rgb) {
     if (position % 2 == 0) {
-      yca::YCAtoRGBA(weights_, picture_.data_width, held(position), rgb);
+      yca::YCAtoRGBA(weights_, image_.data_width, held(position), rgb);
       return;
     }
     std::array<const Imf::Rgba*, yca::N> rows{};
     for (int i = 0; i < yca::N; ++i) {
       rows[static_cast<std::size_t>(i)] = held(position - yca::N2 + i);
     }
-    yca::reconstructChromaVert(picture_.data_width, rows.data(), rgb);
-    yca::YCAtoRGBA(weights_, picture_.data_width, rgb, rgb);
+    yca::reconstructChromaVert(image_.data_width, rows.data(), rgb);
+    yca::YCAtoRGBA(weights_, image_.data_width, rgb, rgb);
   }
 
   void read_block(int first, int count, float* rgb) {
@@ -434,7 +432,7 @@ class LuminanceChromaReader final : public RowReader {
     for (int row = first; row < first + count; ++row) {
       std::rotate(rows.begin(), rows.begin() + 1, rows.end());
       reconstruct(row + 1, rows[2]);
-      yca::fixSaturation(weights_, picture_.data_width, rows.data(), saturated_.data());
+      yca::fixSaturation(weights_, image_.data_width, rows.data(), saturated_.data());
       for (const Imf::Rgba& texel : saturated_) {
         *rgb++ = texel.r;
         *rgb++ = texel.g;
@@ -443,7 +441,7 @@ class LuminanceChromaReader final : public RowReader {
     }
   }
 
-  const ExrPicture& picture_;
+  const ExrImage& image_;
   std::size_t width_;
   ExrFile file_;
   Imf::InputPart input_;
@@ -467,34 +465,34 @@ int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_
 
 class ExrSource final : public RowSource {
  public:
-  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info, picture.input), picture_(picture) {}
+  explicit ExrSource(const ExrImage& image) : RowSource(image.info, image.input), image_(image) {}
 
   [[nodiscard]] int natural_rows() const override {
-    const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)
-                                                                      : picture_.unit_rows;
-    return std::min(rows, picture_.info.height);
+    const int rows =
+        image_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(image_.unit_rows) : image_.unit_rows;
+    return std::min(rows, image_.info.height);
   }
 
-  [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
-  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
+  [[nodiscard]] bool has_openexr_cube_frames() const override { return image_.cube_frames; }
+  [[nodiscard]] bool has_prefiltered_levels() const override { return image_.prefiltered; }
 
   // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
   // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
   [[nodiscard]] std::uint64_t reader_bytes() const override {
-    const std::uint64_t rows = rgb_bytes(picture_.data_width, picture_.unit_rows);
-    return 5 * picture_.unit_bytes + (picture_.tiled ? rows : 0) + (picture_.is_framed() ? rows : 0) +
-           (picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(picture_.data_width) : 0) +
-           picture_.table_bytes + (std::uint64_t{1} << 20U);
+    const std::uint64_t rows = rgb_bytes(image_.data_width, image_.unit_rows);
+    return 5 * image_.unit_bytes + (image_.tiled ? rows : 0) + (image_.is_framed() ? rows : 0) +
+           (image_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(image_.data_width) : 0) +
+           image_.table_bytes + (std::uint64_t{1} << 20U);
   }
 
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return call_openexr(picture_.info.path, [&] {
+    return call_openexr(image_.info.path, [&] {
       std::unique_ptr<RowReader> reader = open_stored_rows();
-      if (picture_.channels.kind == Kind::luminance || picture_.to_rec709) {
-        reader = std::make_unique<ColourReader>(std::move(reader), picture_);
+      if (image_.channels.kind == Kind::luminance || image_.to_rec709) {
+        reader = std::make_unique<ColourReader>(std::move(reader), image_);
       }
-      if (picture_.is_framed()) {
-        reader = std::make_unique<FramedReader>(std::move(reader), picture_);
+      if (image_.is_framed()) {
+        reader = std::make_unique<FramedReader>(std::move(reader), image_);
       }
       return reader;
     });
@@ -502,16 +500,16 @@ class ExrSource final : public RowSource {
 
  private:
   [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
-    if (picture_.channels.kind == Kind::luminance_chroma) {
-      return std::make_unique<LuminanceChromaReader>(picture_);
+    if (image_.channels.kind == Kind::luminance_chroma) {
+      return std::make_unique<LuminanceChromaReader>(image_);
     }
-    if (picture_.tiled) {
-      return std::make_unique<TiledReader>(picture_);
+    if (image_.tiled) {
+      return std::make_unique<TiledReader>(image_);
     }
-    return std::make_unique<ScanlineReader>(picture_);
+    return std::make_unique<ScanlineReader>(image_);
   }
 
-  ExrPicture picture_;
+  ExrImage image_;
 };
 
 }  // namespace

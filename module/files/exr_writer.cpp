@@ -89,8 +89,8 @@ class OutputStream final : public Imf::OStream {
   platform::WholeFile& file_;
 };
 
-Imf::Header make_header(const OutputPicture& picture, const WriteJob& job) {
-  Imf::Header header(picture.width(), picture.height());
+Imf::Header make_header(const OutputImage& image, const WriteJob& job) {
+  Imf::Header header(image.width(), image.height());
   header.compression() = Imf::ZIP_COMPRESSION;
   const Imf::PixelType type = job.type == SampleType::float32 ? Imf::FLOAT : Imf::HALF;
   for (const char* name : kNames) header.channels().insert(name, Imf::Channel(type));
@@ -100,19 +100,19 @@ Imf::Header make_header(const OutputPicture& picture, const WriteJob& job) {
 }
 
 template <typename Value>
-std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Imf::OutputFile& file) {
-  const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(picture.width());
+std::uint64_t write_blocks(const OutputImage& image, const WriteJob& job, Imf::OutputFile& file) {
+  const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(image.width());
   std::vector<float> rgb(row_values);
   std::vector<Value> block(row_values * kBlockRows);
   std::uint64_t clamped = 0;
-  for (int first = 0; first < picture.height(); first += kBlockRows) {
-    report_rows(job, first, picture.height());
-    const int rows = std::min(kBlockRows, picture.height() - first);
+  for (int first = 0; first < image.height(); first += kBlockRows) {
+    report_rows(job, first, image.height());
+    const int rows = std::min(kBlockRows, image.height() - first);
     for (int row = 0; row < rows; ++row) {
-      picture.read_row(first + row, rgb.data());
+      image.read_row(first + row, rgb.data());
       convert(rgb.data(), row_values, block.data() + static_cast<std::size_t>(row) * row_values, clamped);
     }
-    file.setFrameBuffer(frame_buffer(block, picture.width(), first));
+    file.setFrameBuffer(frame_buffer(block, image.width(), first));
     file.writePixels(rows);
   }
   return clamped;
@@ -120,12 +120,12 @@ std::uint64_t write_blocks(const OutputPicture& picture, const WriteJob& job, Im
 
 }  // namespace
 
-std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job) {
+std::uint64_t write_exr(const OutputImage& image, const WriteJob& job) {
   return write_with_library(job.file, [&] {
     OutputStream stream(job.file);
-    Imf::OutputFile file(stream, make_header(picture, job), kLibraryThreads);
-    return job.type == SampleType::float32 ? write_blocks<float>(picture, job, file)
-                                           : write_blocks<Imath::half>(picture, job, file);
+    Imf::OutputFile file(stream, make_header(image, job), kLibraryThreads);
+    return job.type == SampleType::float32 ? write_blocks<float>(image, job, file)
+                                           : write_blocks<Imath::half>(image, job, file);
   });
 }
 
@@ -133,7 +133,7 @@ namespace {
 
 // OpenEXR: a cube `envmap` in mip-mapped tiles, as OpenEXR's own exrenvmap writes them.
 //
-// The picture is `size` x 6 `size`; OpenEXR halves both, rounding down, until both are 1. So a level can be taller than
+// The image is `size` x 6 `size`; OpenEXR halves both, rounding down, until both are 1. So a level can be taller than
 // its six faces (odd sizes: they lie on top, as CubeMap::sizeOfFace has it), and the last ones hold no faces at all.
 
 constexpr int kTileSize = 64;
@@ -169,7 +169,7 @@ Imf::Header make_header(const TextureJob& job) {
 }
 
 /// One face of `reduced`, to size x size x 3 values. Where a texel's edge cuts one of the source, it counts for both.
-void reduce_face(const OutputPicture& source, int size, float* to) {
+void reduce_face(const OutputImage& source, int size, float* to) {
   const int source_size = source.width();
   const auto first = [&](int texel) { return texel * source_size / size; };
   const auto end = [&](int texel) { return ((texel + 1) * source_size + size - 1) / size; };
@@ -198,7 +198,7 @@ void reduce_face(const OutputPicture& source, int size, float* to) {
 /// Smaller faces for a level that was not given.
 Cubemap reduced(const CubemapView& source, int size) {
   Cubemap smaller(size);
-  for (int face = 0; face < 6; ++face) reduce_face(OutputPicture(source, face), size, smaller.face(face));
+  for (int face = 0; face < 6; ++face) reduce_face(OutputImage(source, face), size, smaller.face(face));
   return smaller;
 }
 
@@ -214,13 +214,13 @@ Cubemap one_colour(const CubemapView& source) {
   return result;
 }
 
-/// Writes a level; rows below the picture (if any) are black.
+/// Writes a level; rows below the image (if any) are black.
 template <typename Value>
 class LevelWriter {
  public:
   LevelWriter(Imf::TiledOutputFile& file, TexelProgress& progress) : file_(file), progress_(progress) {}
 
-  void write(int level, const OutputPicture& picture) {
+  void write(int level, const OutputImage& image) {
     const int width = file_.levelWidth(level);
     const int height = file_.levelHeight(level);
     const std::size_t row_values = std::size_t{3} * static_cast<std::size_t>(width);
@@ -232,7 +232,7 @@ class LevelWriter {
       progress_.next(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(end - first));
       for (int row = first; row < end; ++row) {
         std::fill(rgb_.begin(), rgb_.end(), 0.0F);
-        if (row < picture.height()) picture.read_row(row, rgb_.data());
+        if (row < image.height()) image.read_row(row, rgb_.data());
         convert(rgb_.data(), row_values, values_.data() + row_values * static_cast<std::size_t>(row - first), clamped_);
       }
       file_.setFrameBuffer(frame_buffer(values_, width, first));
@@ -257,7 +257,7 @@ std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
   LevelWriter<Value> writer(file, progress);
   const int given = static_cast<int>(job.mips.size());
   for (int level = 0; level < given; ++level) {
-    writer.write(level, OutputPicture(job.mips[static_cast<std::size_t>(level)], placement));
+    writer.write(level, OutputImage(job.mips[static_cast<std::size_t>(level)], placement));
   }
   // A file must have every level down to 1 x 1.
   const std::uint64_t clamped = writer.clamped();
@@ -268,7 +268,7 @@ std::uint64_t write_levels(const TextureJob& job, Imf::TiledOutputFile& file) {
     const bool has_faces = file.levelHeight(level) >= 6 * size;
     last = has_faces ? reduced(above, size) : one_colour(above);
     above = last.view();
-    writer.write(level, OutputPicture(above, placement));
+    writer.write(level, OutputImage(above, placement));
   }
   return clamped;
 }

@@ -69,7 +69,7 @@ std::vector<SetName> sets_of(const Path& path) {
   return sets;
 }
 
-// Pictures of a directory, for each set and face those whose names fit, in the order of their names.
+// Images of a directory, for each set and face those whose names fit, in the order of their names.
 class Candidates {
  public:
   /// Looks at names with an extension of a format that is read, or with `extension`.
@@ -80,7 +80,7 @@ class Candidates {
          entry.increment(failure)) {
       const Path file = directory / entry->path().filename();
       std::error_code ignored;
-      if (is_picture(file, extension) && !entry->is_directory(ignored)) add(file);
+      if (is_image(file, extension) && !entry->is_directory(ignored)) add(file);
     }
     if (failure) {
       throw platform::file_error(ErrorCode::file_access, place,
@@ -122,7 +122,7 @@ class Candidates {
   }
 
  private:
-  static bool is_picture(const Path& file, const std::string& extension) {
+  static bool is_image(const Path& file, const std::string& extension) {
     const std::string its = platform::utf8(file.extension());
     return its == extension || std::find(kExtensions.begin(), kExtensions.end(), lower_case(its)) != kExtensions.end();
   }
@@ -227,7 +227,7 @@ std::string shape(const EnvironmentInfo& info) {
 std::unique_ptr<RowSource> open_face(const FileInput& input, const ReadOptions& options) {
   ReadOptions of_face = options;
   of_face.layout = Layout::lat_long;
-  return open_picture(input, of_face);
+  return open_image(input, of_face);
 }
 
 void require_fitting_faces(const Faces& faces) {

@@ -244,19 +244,19 @@ void append_flat(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& bytes)
 
 }  // namespace
 
-std::uint64_t write_hdr(const OutputPicture& picture, const WriteJob& job) {
-  const int width = picture.width();
+std::uint64_t write_hdr(const OutputImage& image, const WriteJob& job) {
+  const int width = image.width();
   const std::string header = "#?RADIANCE\nSOFTWARE=Welkin\nFORMAT=32-bit_rle_rgbe\n\n-Y " +
-                             std::to_string(picture.height()) + " +X " + std::to_string(width) + "\n";
+                             std::to_string(image.height()) + " +X " + std::to_string(width) + "\n";
   job.file.write(header.data(), header.size());
   const bool encoded = width >= kNarrowestEncoded && width <= kWidestEncoded;
   std::uint64_t clamped = 0;
   std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(width));
   std::vector<Rgbe> texels(static_cast<std::size_t>(width));
   std::vector<std::uint8_t> bytes;
-  for (int row = 0; row < picture.height(); ++row) {
-    report_rows(job, row, picture.height());
-    picture.read_row(row, rgb.data());
+  for (int row = 0; row < image.height(); ++row) {
+    report_rows(job, row, image.height());
+    image.read_row(row, rgb.data());
     for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = encode(rgb.data() + 3 * i, clamped);
     bytes.clear();
     if (encoded) {

@@ -1,4 +1,4 @@
-// The words in front of a Radiance picture's pixels.
+// The words in front of a Radiance image's pixels.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct HdrHeader {
   glm::dvec3 divisor{1.0};  ///< the product of all EXPOSURE and COLORCORR lines; radiance = stored / divisor
   std::optional<Chromaticities> primaries;  ///< as the file has them
   std::string gamma;                        ///< of the last GAMMA line, if it is not 1
-  int width = 0;                            ///< of the picture when it is upright
+  int width = 0;                            ///< of the image when it is upright
   int height = 0;
   bool columns = false;       ///< scanlines are columns (X stands first in the resolution line)
   bool bottom_first = false;  ///< +Y
@@ -40,14 +40,14 @@ struct HdrHeader {
 /// `file` stands at its beginning and starts with "#?".
 ///
 /// A header is lines of text: the magic word (RADIANCE, RGBE, or any other), NAME=value, comments, commands that
-/// the picture went through; an empty line; and the resolution line, such as "-Y 512 +X 1024". FORMAT, EXPOSURE,
+/// the image went through; an empty line; and the resolution line, such as "-Y 512 +X 1024". FORMAT, EXPOSURE,
 /// COLORCORR and PRIMARIES are obeyed, everything else is passed over. Lines that start with white space belong
-/// to the pictures that this one was made from (Radiance's pcompos indents them) and say nothing about it.
+/// to the images that this one was made from (Radiance's pcompos indents them) and say nothing about it.
 /// (Radiance's filefmts.pdf, and its header.c, color.c, resolu.c.)
 /// Throws `Error`: corrupt_file, unsupported_file.
 [[nodiscard]] HdrHeader read_hdr_header(platform::ByteFile& file);
 
-// The coded scanlines of a Radiance picture, one after the other.
+// The coded scanlines of a Radiance image, one after the other.
 
 /// How a scanline is held. Each scanline of a file says for itself; `flat` is the old form without a repeat.
 enum class HdrCoding { flat, old_rle, new_rle };
@@ -102,7 +102,7 @@ class HdrScanlines {
   std::size_t filled_ = 0;
 };
 
-// Where each scanline of a Radiance picture starts.
+// Where each scanline of a Radiance image starts.
 
 /// The file has no such table, and where a scanline starts is known only from the codes of all before it. This finds
 /// as many as are asked for, by passing over the codes, and remembers them: 8 bytes a scanline.
@@ -129,18 +129,18 @@ class HdrScanlineIndex {
   HdrScanlines scanner_;  // guarded; stands at the last known scanline
 };
 
-// A Radiance picture whose scanlines are columns, held in memory as rows.
+// A Radiance image whose scanlines are columns, held in memory as rows.
 
-/// Every row has a texel of every column, so the whole picture is decoded, once, when the first row is asked for.
+/// Every row has a texel of every column, so the whole image is decoded, once, when the first row is asked for.
 /// For any number of threads at once.
 class HdrColumns {
  public:
   HdrColumns(FileInput input, HdrHeader header);
 
-  /// Row `row` of the upright picture: four planes of `width` bytes. Throws as `HdrScanlines::decode`.
+  /// Row `row` of the upright image: four planes of `width` bytes. Throws as `HdrScanlines::decode`.
   [[nodiscard]] const std::uint8_t* row(int row);
 
-  /// What all of it takes, in bytes: the picture and what decoding needs.
+  /// What all of it takes, in bytes: the image and what decoding needs.
   [[nodiscard]] static std::uint64_t memory_bytes(const HdrHeader& header) noexcept;
 
  private:
@@ -152,7 +152,7 @@ class HdrColumns {
   std::unique_ptr<std::uint8_t[]> planes_;  // guarded until it is there
 };
 
-// From a Radiance picture's bytes to RGB floats.
+// From a Radiance image's bytes to RGB floats.
 
 /// A component is mantissa * 2^(exponent - 136); with exponent 0, all three are 0. Radiance's own programs add
 /// a half to the mantissa, to undo the mean of what truncation took away; every other reader and the writers that
@@ -173,14 +173,14 @@ class HdrTexels {
   std::optional<glm::dmat3> matrix_;
 };
 
-// Radiance pictures (.hdr, .pic, .rgbe, .xyze) as rows.
+// Radiance images (.hdr, .pic, .rgbe, .xyze) as rows.
 
 /// `file` stands at its beginning and starts with "#?". See `read_hdr_header` for what of the header is obeyed,
-/// `HdrScanlines` and `HdrTexels` for the codes and the numbers. XYZE and pictures with PRIMARIES become Rec. 709
+/// `HdrScanlines` and `HdrTexels` for the codes and the numbers. XYZE and images with PRIMARIES become Rec. 709
 /// unless they are wanted as stored; one without PRIMARIES is taken to be Rec. 709, as by all programs but Radiance
 /// itself.
 ///
-/// Rows that are scanlines stream. Where columns are the scanlines, the first read decodes the whole picture, which
+/// Rows that are scanlines stream. Where columns are the scanlines, the first read decodes the whole image, which
 /// all readers share: 4 bytes a texel.
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_hdr(platform::ByteFile& file, const ReadOptions& options);

@@ -1,4 +1,4 @@
-// The kernel of Radiance pictures: mantissas and exponents to floats.
+// The kernel of Radiance images: mantissas and exponents to floats.
 #pragma once
 
 #include <cstdint>

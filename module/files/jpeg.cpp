@@ -27,7 +27,7 @@ struct Pair {
   std::optional<glm::dmat3> matrix;
 };
 
-/// Rows of a gain map, spread over the base picture: texels are areas of both, and between the centres of the map's
+/// Rows of a gain map, spread over the base image: texels are areas of both, and between the centres of the map's
 /// its samples are interpolated linearly, as graphics hardware does; beyond the outermost centres they stay.
 class GainRows {
  public:
@@ -41,7 +41,7 @@ class GainRows {
     upper_ = lower_;
   }
 
-  /// Factors for a row of the base picture, three a texel. Rows are asked for from the top.
+  /// Factors for a row of the base image, three a texel. Rows are asked for from the top.
   void factors(int row, float* rgb) {
     const TwoSamples vertical = place(row, pair_.base.height, pair_.map.height);
     while (next_ <= vertical.second) {
@@ -163,15 +163,14 @@ class JpegSource final : public RowSource {
   throw platform::file_error(ErrorCode::unsupported_file, path, reason);
 }
 
-/// The base picture and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if the
-/// base is already the picture of high dynamic range.
+/// The base image and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if the
+/// base is already the image of high dynamic range.
 Pair pair_of(platform::ByteFile& file) {
-  const std::vector<JpegSegments> pictures = jpeg_pictures(file);
-  const auto map =
-      std::find_if(pictures.begin() + 1, pictures.end(), [](const JpegSegments& one) { return one.gain_map; });
-  if (map == pictures.end()) {
+  const std::vector<JpegSegments> images = jpeg_images(file);
+  const auto map = std::find_if(images.begin() + 1, images.end(), [](const JpegSegments& one) { return one.gain_map; });
+  if (map == images.end()) {
     refuse(file.path(),
-           pictures.size() > 1
+           images.size() > 1
                ? "is a JPEG without a gain map that is known: its second image has no metadata of Ultra HDR "
                  "or ISO 21496-1; export it as Ultra HDR, OpenEXR or Radiance .hdr"
                : "is a JPEG without a gain map: 8 bits hold no light brighter than white, so a bake of it "
@@ -182,7 +181,7 @@ Pair pair_of(platform::ByteFile& file) {
            "is a JPEG whose gain map leads down to an ordinary image; export it as Ultra HDR, OpenEXR or "
            "Radiance .hdr");
   }
-  return {pictures[0], *map, {}, {}};
+  return {images[0], *map, {}, {}};
 }
 
 void tell_gains(EnvironmentInfo& info, const JpegSegments& map) {

@@ -1,4 +1,4 @@
-// JPEG files that hold a base picture and, behind it, the JPEG of its gain map.
+// JPEG files that hold a base image and, behind it, the JPEG of its gain map.
 #pragma once
 
 #include <array>
@@ -17,18 +17,18 @@
 
 namespace welkin::files {
 
-// Gain maps: what makes a JPEG's ordinary picture one of high dynamic range.
+// Gain maps: what makes a JPEG's ordinary image one of high dynamic range.
 
-/// How the samples of a gain map change those of the base picture, by channel. (ISO 21496-1:2025, 5.2; Android's Ultra
+/// How the samples of a gain map change those of the base image, by channel. (ISO 21496-1:2025, 5.2; Android's Ultra
 /// HDR image format 1.1, whose XMP has the same numbers.)
 ///
 ///   gain = minimum + (maximum - minimum) sample^(1 / gamma)
 ///   result = (base + base_offset) 2^gain - alternate_offset
 ///
-/// with samples from 0 to 1 and linear colours, of which 1 is the white of ordinary pictures.
+/// with samples from 0 to 1 and linear colours, of which 1 is the white of ordinary images.
 struct GainMap {
   bool by_iso = false;                         ///< else by XMP
-  bool from_base = true;                       ///< the base is the ordinary picture
+  bool from_base = true;                       ///< the base is the ordinary image
   std::array<double, 3> minimum{}, maximum{};  ///< base-2 logarithms
   std::array<double, 3> gamma{1.0, 1.0, 1.0};
   std::array<double, 3> base_offset{1.0 / 64, 1.0 / 64, 1.0 / 64};
@@ -47,7 +47,7 @@ class GainCurve {
   std::array<double, 3> minimum_{}, range_{}, exponent_{};  // in natural logarithms
 };
 
-// The file's pictures.
+// The file's images.
 
 /// The contents of one JPEG image's markers. (ITU-T T.81, annex B.)
 struct JpegSegments {
@@ -58,23 +58,23 @@ struct JpegSegments {
   int bits = 0;
   int components = 0;
   bool buffered = false;                    ///< must be decoded whole: progressive, or in several scans
-  std::optional<GainMap> gain_map;          ///< that this picture is
+  std::optional<GainMap> gain_map;          ///< that this image is
   std::optional<Chromaticities> primaries;  ///< of its ICC profile, if they are not sRGB's
   bool has_other_profile = false;           ///< an ICC profile that names no primaries
 };
 
-/// The pictures of a file, in their order. They are looked for where they lie, one behind the other: the places that an
+/// The images of a file, in their order. They are looked for where they lie, one behind the other: the places that an
 /// MPF segment or XMP states are wrong once a tool has added a segment.
 /// Throws `Error` (corrupt_file, file_access) and unsupported_file for what is no JPEG of 8 bits with 1 or 3
 /// components.
-[[nodiscard]] std::vector<JpegSegments> jpeg_pictures(platform::ByteFile& file);
+[[nodiscard]] std::vector<JpegSegments> jpeg_images(platform::ByteFile& file);
 
-/// Rows of one picture by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits a sample. Bits do not depend on
+/// Rows of one image by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits a sample. Bits do not depend on
 /// the machine: the slow integer transform, and libjpeg's own interpolation of colours.
 class JpegDecoder {
  public:
   /// Throws `Error`: corrupt_file, file_access.
-  JpegDecoder(const FileInput& input, const JpegSegments& picture);
+  JpegDecoder(const FileInput& input, const JpegSegments& image);
   ~JpegDecoder();
 
   JpegDecoder(const JpegDecoder&) = delete;
@@ -87,7 +87,7 @@ class JpegDecoder {
   void decode_row(std::uint8_t* row);
 
   /// An upper bound on what one holds in memory.
-  [[nodiscard]] static std::uint64_t memory_bytes(const JpegSegments& picture) noexcept;
+  [[nodiscard]] static std::uint64_t memory_bytes(const JpegSegments& image) noexcept;
 
  private:
   struct State;  // libjpeg's, whose header defines common words as macros

@@ -17,11 +17,11 @@ namespace welkin::files {
 // libjpeg ends a call by a jump, which must pass over nothing that has a destructor: so each call stands in a function
 // of its own, `attempt`, and what goes wrong in our reading is kept until it has returned.
 struct JpegDecoder::State {
-  State(const FileInput& input, const JpegSegments& from) : picture(from), file(open_file(input)) {
-    file.seek(picture.begin);
+  State(const FileInput& input, const JpegSegments& from) : image(from), file(open_file(input)) {
+    file.seek(image.begin);
     decompress.err = jpeg_std_error(&errors);
     errors.error_exit = [](j_common_ptr common) { of(common).jump_out(); };
-    // Its warnings are about damage: a picture is whole or it is refused.
+    // Its warnings are about damage: an image is whole or it is refused.
     errors.emit_message = [](j_common_ptr common, int level) {
       if (level < 0) of(common).jump_out();
     };
@@ -77,7 +77,7 @@ struct JpegDecoder::State {
   static int out_of_memory_code();
 
   bool fill() noexcept {
-    const std::uint64_t left = file.position() < picture.end ? picture.end - file.position() : 0;
+    const std::uint64_t left = file.position() < image.end ? image.end - file.position() : 0;
     const std::size_t count = std::min<std::uint64_t>(buffer.size(), left);
     try {
       if (count == 0) {
@@ -104,7 +104,7 @@ struct JpegDecoder::State {
     return true;
   }
 
-  JpegSegments picture;
+  JpegSegments image;
   platform::ByteFile file;
   jpeg_decompress_struct decompress{};
   jpeg_error_mgr errors{};
@@ -126,17 +126,17 @@ enum LibjpegMessage {
 
 int JpegDecoder::State::out_of_memory_code() { return JERR_OUT_OF_MEMORY; }
 
-JpegDecoder::JpegDecoder(const FileInput& input, const JpegSegments& picture)
-    : state_(std::make_unique<State>(input, picture)) {
+JpegDecoder::JpegDecoder(const FileInput& input, const JpegSegments& image)
+    : state_(std::make_unique<State>(input, image)) {
   state_->attempt([](State& self) {
     jpeg_read_header(&self.decompress, TRUE);
-    self.decompress.out_color_space = self.picture.components == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    self.decompress.out_color_space = self.image.components == 1 ? JCS_GRAYSCALE : JCS_RGB;
     self.decompress.dct_method = JDCT_ISLOW;
     jpeg_start_decompress(&self.decompress);
   });
   const jpeg_decompress_struct& now = state_->decompress;
-  if (static_cast<int>(now.output_width) != picture.width || static_cast<int>(now.output_height) != picture.height ||
-      now.output_components != picture.components) {
+  if (static_cast<int>(now.output_width) != image.width || static_cast<int>(now.output_height) != image.height ||
+      now.output_components != image.components) {
     throw platform::file_error(ErrorCode::file_access, input.path(), "has changed while it was read; read it again");
   }
 }
@@ -144,7 +144,7 @@ JpegDecoder::JpegDecoder(const FileInput& input, const JpegSegments& picture)
 JpegDecoder::~JpegDecoder() = default;
 
 std::size_t JpegDecoder::row_bytes() const noexcept {
-  return static_cast<std::size_t>(state_->picture.width) * static_cast<std::size_t>(state_->picture.components);
+  return static_cast<std::size_t>(state_->image.width) * static_cast<std::size_t>(state_->image.components);
 }
 
 void JpegDecoder::decode_row(std::uint8_t* row) {
@@ -156,13 +156,13 @@ void JpegDecoder::decode_row(std::uint8_t* row) {
   });
 }
 
-std::uint64_t JpegDecoder::memory_bytes(const JpegSegments& picture) noexcept {
+std::uint64_t JpegDecoder::memory_bytes(const JpegSegments& image) noexcept {
   // Blocks of at most 32 x 32 texels, whose coefficients are kept, two bytes each, where scans follow one another; else
   // some rows of them.
   constexpr std::uint64_t kBlock = 32, kOfLibrary = std::uint64_t{256} << 10U;
   const auto rounded = [](int texels) { return (static_cast<std::uint64_t>(texels) + kBlock - 1) / kBlock * kBlock; };
-  const std::uint64_t rows = picture.buffered ? rounded(picture.height) : 4 * kBlock;
-  return rounded(picture.width) * rows * static_cast<std::uint64_t>(picture.components) * 2 + kOfLibrary;
+  const std::uint64_t rows = image.buffered ? rounded(image.height) : 4 * kBlock;
+  return rounded(image.width) * rows * static_cast<std::uint64_t>(image.components) * 2 + kOfLibrary;
 }
 
 }  // namespace welkin::files

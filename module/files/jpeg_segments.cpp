@@ -1,4 +1,4 @@
-// What a JPEG's markers say of its pictures and of their gain maps.
+// What a JPEG's markers say of its images and of their gain maps.
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -172,7 +172,7 @@ std::optional<GainMap> gain_map_from_xmp(std::string_view packet, const std::fil
   std::string prefix = prefix_of(packet, "http://ns.adobe.com/hdr-gain-map/1.0/"sv);
   if (prefix.empty()) return std::nullopt;
   const XmpReader reader(packet, std::move(prefix), path);
-  if (!reader.has("GainMapMax")) return std::nullopt;  // the base picture's, which says the version alone
+  if (!reader.has("GainMapMax")) return std::nullopt;  // the base image's, which says the version alone
   GainMap map;
   reader.read("GainMapMin", map.minimum);
   reader.read("GainMapMax", map.maximum);
@@ -185,7 +185,7 @@ std::optional<GainMap> gain_map_from_xmp(std::string_view packet, const std::fil
 }
 
 /// From the bytes of ISO 21496-1's segment, after its name. Nothing if they hold a version alone, as in the base
-/// picture. Throws `Error`: corrupt_file as above, unsupported_file for a later version.
+/// image. Throws `Error`: corrupt_file as above, unsupported_file for a later version.
 std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes, const std::filesystem::path& path) {
   IsoReader reader(bytes, path);
   const std::uint32_t minimum_version = reader.unsigned_number(2);
@@ -217,7 +217,7 @@ std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes, co
   return map;
 }
 
-// Pictures.
+// Images.
 
 // Marker codes, behind a byte of 0xFF. (T.81, table B.1.)
 constexpr unsigned kStartOfImage = 0xD8, kEndOfImage = 0xD9, kStartOfScan = 0xDA, kTemporary = 0x01;
@@ -309,12 +309,12 @@ std::optional<Chromaticities> primaries_of_profile(std::span<const std::uint8_t>
 /// sRGB's, as its profiles have them: adapted to D50 by Bradford's transform. (IEC 61966-2-1; ICC's own sRGB profile.)
 constexpr Chromaticities kAdaptedSrgb{{0.6484, 0.3309}, {0.3212, 0.5978}, {0.1559, 0.0660}, {0.3457, 0.3585}};
 
-void read_profile(JpegSegments& picture, std::span<const std::uint8_t> segment) {
+void read_profile(JpegSegments& image, std::span<const std::uint8_t> segment) {
   // After the name, which part this is, and of how many. Profiles of several parts are tables, not primaries.
   const std::optional<Chromaticities> found =
       segment.size() > 2 && segment[1] == 1 ? primaries_of_profile(segment.subspan(2)) : std::nullopt;
-  picture.has_other_profile = !found;
-  if (found && !nearly_same(*found, kAdaptedSrgb)) picture.primaries = found;
+  image.has_other_profile = !found;
+  if (found && !nearly_same(*found, kAdaptedSrgb)) image.primaries = found;
 }
 
 /// The bytes after a segment's name, which ends with a zero; nothing if the name is another.
@@ -327,27 +327,27 @@ std::optional<std::span<const std::uint8_t>> named(std::span<const std::uint8_t>
   return segment.subspan(name.size());
 }
 
-void read_application(JpegSegments& picture, unsigned code, const std::vector<std::uint8_t>& segment,
+void read_application(JpegSegments& image, unsigned code, const std::vector<std::uint8_t>& segment,
                       const std::filesystem::path& path) {
   if (code == kApplication1) {
     const auto packet = named(segment, "http://ns.adobe.com/xap/1.0/\0"sv);
-    if (!packet || (picture.gain_map && picture.gain_map->by_iso)) return;
+    if (!packet || (image.gain_map && image.gain_map->by_iso)) return;
     const std::string text(packet->begin(), packet->end());
-    if (const std::optional<GainMap> map = gain_map_from_xmp(text, path)) picture.gain_map = map;
+    if (const std::optional<GainMap> map = gain_map_from_xmp(text, path)) image.gain_map = map;
   } else if (const auto profile = named(segment, "ICC_PROFILE\0"sv)) {
-    read_profile(picture, *profile);
+    read_profile(image, *profile);
   } else if (const auto numbers = named(segment, "urn:iso:std:iso:ts:21496:-1\0"sv)) {
-    if (const std::optional<GainMap> map = gain_map_from_iso(*numbers, path)) picture.gain_map = map;
+    if (const std::optional<GainMap> map = gain_map_from_iso(*numbers, path)) image.gain_map = map;
   }
 }
 
-void read_frame(JpegSegments& picture, unsigned code, const std::vector<std::uint8_t>& segment, const Bytes& bytes) {
+void read_frame(JpegSegments& image, unsigned code, const std::vector<std::uint8_t>& segment, const Bytes& bytes) {
   if (segment.size() < 6) bytes.damaged("a frame's header is too short");
-  picture.bits = segment[0];
-  picture.height = segment[1] << 8U | segment[2];
-  picture.width = segment[3] << 8U | segment[4];
-  picture.components = segment[5];
-  picture.buffered = is_progressive(code);
+  image.bits = segment[0];
+  image.height = segment[1] << 8U | segment[2];
+  image.width = segment[3] << 8U | segment[4];
+  image.components = segment[5];
+  image.buffered = is_progressive(code);
 }
 
 /// Passes over the coded samples of a scan to the marker behind them, and returns its code.
@@ -367,10 +367,10 @@ unsigned next_marker(Bytes& bytes) {
   return code;
 }
 
-/// The picture that begins at a place; reads it to its end.
-JpegSegments read_picture(platform::ByteFile& file, std::uint64_t begin) {
-  JpegSegments picture;
-  picture.begin = begin;
+/// The image that begins at a place; reads it to its end.
+JpegSegments read_image(platform::ByteFile& file, std::uint64_t begin) {
+  JpegSegments image;
+  image.begin = begin;
   Bytes bytes(file, begin + 2);
   int scans = 0, components_in_scan = 0;
   for (unsigned code = next_marker(bytes); code != kEndOfImage;) {
@@ -382,8 +382,8 @@ JpegSegments read_picture(platform::ByteFile& file, std::uint64_t begin) {
     if (code == kStartOfImage || length < 2) bytes.damaged("a segment has no length");
     std::vector<std::uint8_t> segment(length - 2);
     for (std::uint8_t& byte : segment) byte = static_cast<std::uint8_t>(bytes.next());
-    if (is_frame(code)) read_frame(picture, code, segment, bytes);
-    if (code == kApplication1 || code == kApplication2) read_application(picture, code, segment, bytes.path());
+    if (is_frame(code)) read_frame(image, code, segment, bytes);
+    if (code == kApplication1 || code == kApplication2) read_application(image, code, segment, bytes.path());
     if (code == kStartOfScan) {
       ++scans;
       components_in_scan = segment.empty() ? 0 : segment[0];
@@ -392,33 +392,33 @@ JpegSegments read_picture(platform::ByteFile& file, std::uint64_t begin) {
       code = next_marker(bytes);
     }
   }
-  picture.end = bytes.position();
-  picture.buffered = picture.buffered || scans > 1 || components_in_scan < picture.components;
-  if (scans == 0 || picture.width == 0 || picture.height == 0) bytes.damaged("it has no image");
-  if (picture.bits != 8 || (picture.components != 1 && picture.components != 3)) {
+  image.end = bytes.position();
+  image.buffered = image.buffered || scans > 1 || components_in_scan < image.components;
+  if (scans == 0 || image.width == 0 || image.height == 0) bytes.damaged("it has no image");
+  if (image.bits != 8 || (image.components != 1 && image.components != 3)) {
     throw platform::file_error(ErrorCode::unsupported_file, bytes.path(),
-                               "is a JPEG of " + std::to_string(picture.components) + " components of " +
-                                   std::to_string(picture.bits) + " bits; 1 or 3 of 8 bits are read");
+                               "is a JPEG of " + std::to_string(image.components) + " components of " +
+                                   std::to_string(image.bits) + " bits; 1 or 3 of 8 bits are read");
   }
-  return picture;
+  return image;
 }
 
 }  // namespace
 
-std::vector<JpegSegments> jpeg_pictures(platform::ByteFile& file) {
-  std::vector<JpegSegments> pictures{read_picture(file, 0)};
-  // Cameras pad between pictures, and keep previews, depths and films behind them.
+std::vector<JpegSegments> jpeg_images(platform::ByteFile& file) {
+  std::vector<JpegSegments> images{read_image(file, 0)};
+  // Cameras pad between images, and keep previews, depths and films behind them.
   constexpr std::size_t kMaxImages = 16;
-  Bytes bytes(file, pictures[0].end);
+  Bytes bytes(file, images[0].end);
   for (unsigned seen = 0;
-       pictures.size() < kMaxImages && (pictures.size() == 1 || !pictures.back().gain_map) && !bytes.at_end();) {
+       images.size() < kMaxImages && (images.size() == 1 || !images.back().gain_map) && !bytes.at_end();) {
     seen = (seen << 8U | bytes.next()) & 0xFFFFFFU;
     if (seen != 0xFFD8FF) continue;
-    pictures.push_back(read_picture(file, bytes.position() - 3));
-    bytes = Bytes(file, pictures.back().end);
+    images.push_back(read_image(file, bytes.position() - 3));
+    bytes = Bytes(file, images.back().end);
     seen = 0;
   }
-  return pictures;
+  return images;
 }
 
 GainCurve::GainCurve(const GainMap& map) {

@@ -175,7 +175,7 @@ std::uint64_t write_ktx1(const TextureJob& job) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
       continue;
     }
-    for (const LatLongView& face : job.levels[level]) write_picture(job, face, encoder, progress);
+    for (const LatLongView& face : job.levels[level]) write_image(job, face, encoder, progress);
   }
   return (blocks ? blocks->values_clamped : 0) + encoder.clamped();
 }

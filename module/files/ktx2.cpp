@@ -6,7 +6,7 @@
 
 #include "files/codecs.h"
 #include "files/textures.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "jobs/control.h"
 #include "jobs/tiles.h"
 #include "platform/file.h"
@@ -375,11 +375,11 @@ PackedLevel pack_level(const TextureJob& job, std::size_t level, const Bytes* bl
   TexelEncoder encoder(job.options.format);
   Bytes texels(job.level_bytes(level));
   std::uint8_t* to = texels.data();
-  for (const LatLongView& picture : job.levels[level]) {
-    for (int row = 0; row < picture.height; ++row) {
+  for (const LatLongView& image : job.levels[level]) {
+    for (int row = 0; row < image.height; ++row) {
       jobs::throw_if_cancelled(job.control);
-      encoder.encode(picture, row, 1, to);
-      to += static_cast<std::size_t>(picture.width) * texel_bytes(job.kind());
+      encoder.encode(image, row, 1, to);
+      to += static_cast<std::size_t>(image.width) * texel_bytes(job.kind());
     }
   }
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
@@ -423,7 +423,7 @@ std::uint64_t write_ktx2(const TextureJob& job) {
     } else if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());
     } else {
-      for (const LatLongView& picture : job.levels[level]) write_picture(job, picture, encoder, progress);
+      for (const LatLongView& image : job.levels[level]) write_image(job, image, encoder, progress);
     }
   }
   return clamped + encoder.clamped();

@@ -151,10 +151,10 @@ const CubePlacement& cube_placement(Layout layout) {
 
 const CubePlacement& openexr_cube_placement() noexcept { return kOpenExrCube; }
 
-RowSegments row_segments(const CubePlacement& placement, int size, int picture_row) noexcept {
+RowSegments row_segments(const CubePlacement& placement, int size, int image_row) noexcept {
   RowSegments found;
-  const int row_of_faces = picture_row / size;
-  const int row = picture_row % size;
+  const int row_of_faces = image_row / size;
+  const int row = image_row % size;
   for (int column = 0; column < placement.columns; ++column) {
     for (std::size_t face = 0; face < placement.faces.size(); ++face) {
       const FacePlacement& place = placement.faces[face];

@@ -1,4 +1,4 @@
-// Which way a picture holds its sphere.
+// Which way an image holds its sphere.
 #pragma once
 
 #include <array>
@@ -19,29 +19,29 @@ namespace welkin::files {
 ///
 /// A lat-long that is asked for or that the header states is taken at any ratio; faces must be square all the
 /// same. Needs `info.path`, `width` and `height`.
-/// Throws `Error` (unsupported_file) if nothing tells, if a strip or cross has not its shape, or if the picture
+/// Throws `Error` (unsupported_file) if nothing tells, if a strip or cross has not its shape, or if the image
 /// is larger than the views of `image.h` can be.
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header);
 
-/// Throws `Error` (unsupported_file) for a square picture that `decide_layout` took for a face. `reason` says why it is
+/// Throws `Error` (unsupported_file) for a square image that `decide_layout` took for a face. `reason` says why it is
 /// none: a missing face above all.
 [[noreturn]] void refuse_square(const EnvironmentInfo& info, const std::string& reason);
 
-/// Texels along the edge of a face in a picture of this shape and layout; 0 for a lat-long, and where the shape
+/// Texels along the edge of a face in an image of this shape and layout; 0 for a lat-long, and where the shape
 /// is not the layout's. Six files are taken as the strip that they make up.
 [[nodiscard]] int face_size(Layout layout, int width, int height) noexcept;
 
-// Where the six faces of a cube lie in a picture.
+// Where the six faces of a cube lie in an image.
 
-/// One face's place in a picture, counted in edges of a face.
+/// One face's place in an image, counted in edges of a face.
 struct FacePlacement {
   int column = 0;
   int row = 0;
-  bool mirrored_columns = false;  ///< the picture's left column is the face's last one
-  bool mirrored_rows = false;     ///< the picture's top row is the face's last one
+  bool mirrored_columns = false;  ///< the image's left column is the face's last one
+  bool mirrored_rows = false;     ///< the image's top row is the face's last one
 };
 
-/// A layout: a picture of `columns` x `rows` faces, blank where none lies. Faces in the order of `CubemapView`,
+/// A layout: an image of `columns` x `rows` faces, blank where none lies. Faces in the order of `CubemapView`,
 /// turned against its frames as each placement says.
 struct CubePlacement {
   int columns = 0;
@@ -74,15 +74,15 @@ struct CubePlacement {
 /// | -Z | +x, -y | -x, -y | columns mirrored |
 [[nodiscard]] const CubePlacement& openexr_cube_placement() noexcept;
 
-/// A row of a face where it lies in a row of the picture.
+/// A row of a face where it lies in a row of the image.
 struct FaceSegment {
   int face = 0;
   int face_row = 0;
-  int first_column = 0;   ///< of the picture; as many follow as a face has
-  bool mirrored = false;  ///< picture column first_column + i is face column size - 1 - i, not i
+  int first_column = 0;   ///< of the image; as many follow as a face has
+  bool mirrored = false;  ///< image column first_column + i is face column size - 1 - i, not i
 };
 
-/// The segments of one row of the picture, from left to right: 1 to 6.
+/// The segments of one row of the image, from left to right: 1 to 6.
 struct RowSegments {
   std::array<FaceSegment, 6> segments{};
   std::size_t count = 0;
@@ -91,10 +91,10 @@ struct RowSegments {
   [[nodiscard]] const FaceSegment* end() const noexcept { return segments.data() + count; }
 };
 
-/// `size`: texels along a face's edge; `picture_row`: in [0, rows x size).
-[[nodiscard]] RowSegments row_segments(const CubePlacement& placement, int size, int picture_row) noexcept;
+/// `size`: texels along a face's edge; `image_row`: in [0, rows x size).
+[[nodiscard]] RowSegments row_segments(const CubePlacement& placement, int size, int image_row) noexcept;
 
-/// Copies `size` RGB texels, in the other order if `mirrored`: from a picture to a face, or back.
+/// Copies `size` RGB texels, in the other order if `mirrored`: from an image to a face, or back.
 void copy_segment(const float* from, float* to, int size, bool mirrored) noexcept;
 
 /// A channel for each letter.

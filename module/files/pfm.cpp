@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kLongestToken = 32;
 constexpr int kLongestGap = 256;
 
-struct PfmPicture {
+struct PfmImage {
   bool grey = false;
   bool swapped = false;  // the file's byte order is not the machine's
   std::uint64_t first_byte = 0;
@@ -112,27 +112,24 @@ void swap_bytes(float* values, std::size_t count) {
 
 class PfmReader final : public RowReader {
  public:
-  PfmReader(const FileInput& input, const PfmPicture& picture, const EnvironmentInfo& info)
-      : picture_(picture),
-        width_(static_cast<std::size_t>(info.width)),
-        height_(info.height),
-        file_(open_file(input)) {}
+  PfmReader(const FileInput& input, const PfmImage& image, const EnvironmentInfo& info)
+      : image_(image), width_(static_cast<std::size_t>(info.width)), height_(info.height), file_(open_file(input)) {}
 
   // Rows lie in the file from bottom to top: the last one that is asked for comes first.
   void read(int first_row, int row_count, float* rgb) override {
-    const std::size_t stored = width_ * static_cast<std::size_t>(picture_.channels());
+    const std::size_t stored = width_ * static_cast<std::size_t>(image_.channels());
     const auto rows_before = static_cast<std::uint64_t>(height_ - first_row - row_count);
-    file_.seek(picture_.first_byte + rows_before * stored * sizeof(float));
+    file_.seek(image_.first_byte + rows_before * stored * sizeof(float));
     for (int row = row_count - 1; row >= 0; --row) {
       float* texels = rgb + static_cast<std::size_t>(row) * width_ * 3;
       // A grey row is read into the last third of its place and spread from the left: no value is
       // overwritten before it was used.
-      float* values = picture_.grey ? texels + 2 * width_ : texels;
+      float* values = image_.grey ? texels + 2 * width_ : texels;
       file_.read(values, stored * sizeof(float));
-      if (picture_.swapped) {
+      if (image_.swapped) {
         swap_bytes(values, stored);
       }
-      if (picture_.grey) {
+      if (image_.grey) {
         for (std::size_t column = 0; column < width_; ++column) {
           const float grey = values[column];
           std::fill_n(texels + 3 * column, 3, grey);
@@ -142,7 +139,7 @@ class PfmReader final : public RowReader {
   }
 
  private:
-  PfmPicture picture_;
+  PfmImage image_;
   std::size_t width_;
   int height_;
   platform::ByteFile file_;
@@ -150,30 +147,30 @@ class PfmReader final : public RowReader {
 
 class PfmSource final : public RowSource {
  public:
-  PfmSource(EnvironmentInfo info, FileInput input, const PfmPicture& picture)
-      : RowSource(std::move(info), std::move(input)), picture_(picture) {}
+  PfmSource(EnvironmentInfo info, FileInput input, const PfmImage& image)
+      : RowSource(std::move(info), std::move(input)), image_(image) {}
 
   [[nodiscard]] int natural_rows() const override { return 1; }
   [[nodiscard]] std::uint64_t reader_bytes() const override { return std::uint64_t{64} << 10U; }
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<PfmReader>(input(), picture_, info());
+    return std::make_unique<PfmReader>(input(), image_, info());
   }
 
  private:
-  PfmPicture picture_;
+  PfmImage image_;
 };
 
 }  // namespace
 
 std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions& options) {
-  PfmPicture picture;
+  PfmImage image;
   const std::string kind = read_token(file, "kind");
   if (kind != "PF" && kind != "Pf") {
     throw platform::file_error(
         ErrorCode::unsupported_file, file.path(),
         "starts with \"" + platform::printable(kind) + "\"; PFM files start with PF (colour) or Pf (grey)");
   }
-  picture.grey = kind == "Pf";
+  image.grey = kind == "Pf";
 
   EnvironmentInfo info;
   info.path = file.path();
@@ -182,11 +179,11 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
   info.storage = "scanline";
   info.width = read_extent(file, "width", kMaximumWidth);
   info.height = read_extent(file, "height", kMaximumHeight);
-  picture.swapped = read_is_little_endian(file) != (std::endian::native == std::endian::little);
-  const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(picture.channels());
+  image.swapped = read_is_little_endian(file) != (std::endian::native == std::endian::little);
+  const std::uint64_t wanted = rgb_bytes(info.width, info.height) / 3 * static_cast<std::uint64_t>(image.channels());
   pass_second_line_end(file, wanted);
-  picture.first_byte = file.position();
-  add_channels(info, picture.grey ? "Y" : "RGB", ChannelType::float32);
+  image.first_byte = file.position();
+  add_channels(info, image.grey ? "Y" : "RGB", ChannelType::float32);
 
   if (wanted > file.remaining()) {
     damaged(file, "ends too early: " + std::to_string(info.width) + " x " + std::to_string(info.height) +
@@ -194,19 +191,18 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
                       " follow the header; fetch or export it again");
   }
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PfmSource>(std::move(info), input_of(file), picture);
+  return std::make_unique<PfmSource>(std::move(info), input_of(file), image);
 }
 
 static_assert(std::endian::native == std::endian::little, "rows are written as they lie in memory");
 
-std::uint64_t write_pfm(const OutputPicture& picture, const WriteJob& job) {
-  const std::string header =
-      "PF\n" + std::to_string(picture.width()) + " " + std::to_string(picture.height()) + "\n-1.0\n";
+std::uint64_t write_pfm(const OutputImage& image, const WriteJob& job) {
+  const std::string header = "PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n-1.0\n";
   job.file.write(header.data(), header.size());
-  std::vector<float> row(std::size_t{3} * static_cast<std::size_t>(picture.width()));
-  for (int done = 0; done < picture.height(); ++done) {
-    report_rows(job, done, picture.height());
-    picture.read_row(picture.height() - 1 - done, row.data());
+  std::vector<float> row(std::size_t{3} * static_cast<std::size_t>(image.width()));
+  for (int done = 0; done < image.height(); ++done) {
+    report_rows(job, done, image.height());
+    image.read_row(image.height() - 1 - done, row.data());
     job.file.write(row.data(), row.size() * sizeof(float));
   }
   return 0;

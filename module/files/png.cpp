@@ -1,4 +1,4 @@
-// PNG through libspng: environments as rows (written as sRGB, 8 or 16 bits a channel, no alpha), and the small pictures
+// PNG through libspng: environments as rows (written as sRGB, 8 or 16 bits a channel, no alpha), and the small images
 // of .env files.
 #include "files/png.h"
 
@@ -70,7 +70,7 @@ class PngReader final : public SequentialReader {
   const PngSamples& samples_;
   std::unique_ptr<PngDecoder> decoder_;
   std::unique_ptr<std::uint8_t[]> coded_;  // a row, or all of them
-  bool holds_all_ = false;                 // of an interlaced picture
+  bool holds_all_ = false;                 // of an interlaced image
 };
 
 class PngSource final : public RowSource {
@@ -293,18 +293,18 @@ class PngEncoder {
 
 }  // namespace
 
-std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job) {
+std::uint64_t write_png(const OutputImage& image, const WriteJob& job) {
   const int bits = job.type == SampleType::uint16 ? 16 : 8;
   const SrgbEncoder srgb((1 << bits) - 1);
-  PngEncoder encoder(job.file, {picture.width(), picture.height(), bits});
+  PngEncoder encoder(job.file, {image.width(), image.height(), bits});
   std::uint64_t clamped = 0;
-  const std::size_t values = std::size_t{3} * static_cast<std::size_t>(picture.width());
+  const std::size_t values = std::size_t{3} * static_cast<std::size_t>(image.width());
   std::vector<float> rgb(values);
   std::vector<std::uint8_t> bytes(bits == 16 ? 0 : values);
   std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng takes them
-  for (int row = 0; row < picture.height(); ++row) {
-    report_rows(job, row, picture.height());
-    picture.read_row(row, rgb.data());
+  for (int row = 0; row < image.height(); ++row) {
+    report_rows(job, row, image.height());
+    image.read_row(row, rgb.data());
     for (std::size_t i = 0; i < values; ++i) {
       const unsigned code = srgb.encode(rgb[i], clamped);
       if (bits == 16) {
@@ -314,7 +314,7 @@ std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job) {
       }
     }
     const void* data = bits == 16 ? static_cast<const void*>(words.data()) : bytes.data();
-    encoder.write_row(data, values * static_cast<std::size_t>(bits / 8), row + 1 == picture.height());
+    encoder.write_row(data, values * static_cast<std::size_t>(bits / 8), row + 1 == image.height());
   }
   return clamped;
 }
@@ -345,26 +345,26 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba,
   return {first, first + png.size()};
 }
 
-void decode_png_rgba(const EnvPictureBytes& picture, std::uint8_t* rgba, const stop_token& stop) {
-  // Texts and profiles beside the pixels, which nobody here wants; beyond it the picture is refused.
+void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop) {
+  // Texts and profiles beside the pixels, which nobody here wants; beyond it the image is refused.
   constexpr std::size_t kMaxOfAChunk = std::size_t{1} << 20U;
-  const auto require = [&picture](int result) {
+  const auto require = [&image](int result) {
     if (result == SPNG_OK) return;
     if (result == SPNG_EMEM) throw std::bad_alloc();
-    picture.refuse(ErrorCode::corrupt_file, std::string("is a damaged PNG: libspng says \"") + spng_strerror(result) +
-                                                "\"; fetch or export the file again");
+    image.refuse(ErrorCode::corrupt_file, std::string("is a damaged PNG: libspng says \"") + spng_strerror(result) +
+                                              "\"; fetch or export the file again");
   };
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(0), spng_ctx_free);
   if (!context) throw std::bad_alloc();
   require(spng_set_chunk_limits(context.get(), kMaxOfAChunk, kMaxOfAChunk));
-  require(spng_set_png_buffer(context.get(), picture.bytes.data(), picture.bytes.size()));
+  require(spng_set_png_buffer(context.get(), image.bytes.data(), image.bytes.size()));
   spng_ihdr header{};
   require(spng_get_ihdr(context.get(), &header));
-  picture.require_size(header.width, header.height);
+  image.require_size(header.width, header.height);
   constexpr int flags = SPNG_DECODE_TRNS | SPNG_DECODE_PROGRESSIVE;
   require(spng_decode_image(context.get(), nullptr, 0, SPNG_FMT_RGBA8, flags));
   const std::size_t row_bytes = std::size_t{4} * header.width;
-  for (int result = SPNG_OK; result != SPNG_EOI;) {  // an interlaced picture's rows come several times
+  for (int result = SPNG_OK; result != SPNG_EOI;) {  // an interlaced image's rows come several times
     jobs::throw_if_cancelled(stop);
     spng_row_info row{};
     require(spng_get_row_info(context.get(), &row));

@@ -81,12 +81,12 @@ class PngDecoder {
 
   [[nodiscard]] const PngHeader& header() const noexcept { return header_; }
 
-  /// The next row, from the top, to `header().row_bytes()` bytes. Not for an interlaced picture. With the last one
+  /// The next row, from the top, to `header().row_bytes()` bytes. Not for an interlaced image. With the last one
   /// the file is read to its end, so that its checksums are known to be right.
   /// Throws `Error`: corrupt_file, file_access.
   void decode_row(void* row);
 
-  /// All rows at once, of any picture; called once, and instead of `decode_row`. Throws likewise.
+  /// All rows at once, of any image; called once, and instead of `decode_row`. Throws likewise.
   void decode_all(void* rows);
 
  private:
@@ -127,7 +127,7 @@ class PngSamples {
 };
 
 /// Writes RGB of 8 bits in sRGB, row by row without gaps, as a PNG: some six times as fast as `write_png`, to files a
-/// tenth larger. For pictures that are looked at once. Throws `Error` (file_access) and unsupported_file without
+/// tenth larger. For images that are looked at once. Throws `Error` (file_access) and unsupported_file without
 /// libspng.
 void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t>& rgb, int width);
 

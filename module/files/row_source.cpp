@@ -115,11 +115,11 @@ FileInput input_of(const platform::ByteFile& file) {
   return file.memory() ? FileInput(*file.memory(), platform::utf8(file.path())) : FileInput(file.path());
 }
 
-std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options) {
+std::unique_ptr<RowSource> open_image(const FileInput& input, const ReadOptions& options) {
   platform::ByteFile file = open_file(input);
-  std::unique_ptr<RowSource> picture = open_by_first_bytes(file, options);
-  refuse_other_selections(picture->info(), options);
-  return picture;
+  std::unique_ptr<RowSource> image = open_by_first_bytes(file, options);
+  refuse_other_selections(image->info(), options);
+  return image;
 }
 
 std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options) {
@@ -138,17 +138,17 @@ std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOpt
   if (options.layout == Layout::automatic && !input.bytes() && std::filesystem::is_directory(input.path(), ignored)) {
     return open_six_files(input, six_inputs(input), options, "the directory holds the six faces of one cube");
   }
-  std::unique_ptr<RowSource> picture = open_picture(input, options);
-  if (picture->info().layout != Layout::six_files) {
-    return picture;
+  std::unique_ptr<RowSource> image = open_image(input, options);
+  if (image->info().layout != Layout::six_files) {
+    return image;
   }
   std::vector<FileInput> faces;
   try {
     faces = six_inputs(input);
   } catch (const Error& failure) {
-    refuse_square(picture->info(), failure.what());
+    refuse_square(image->info(), failure.what());
   }
-  return open_six_files(input, faces, options, picture->info().layout_reason);
+  return open_six_files(input, faces, options, image->info().layout_reason);
 }
 
 namespace {
@@ -193,7 +193,7 @@ struct Turns {
 
 class Run {
  public:
-  // `in_place`: where the whole picture goes, or nullptr if each worker brings room for a group.
+  // `in_place`: where the whole image goes, or nullptr if each worker brings room for a group.
   Run(const RowSource& source, const RowGroups& groups, const Control& control, float* in_place)
       : source_(source),
         cut_(source, groups.rows),

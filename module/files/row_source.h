@@ -1,4 +1,4 @@
-// A picture in a file, as rows of RGB floats.
+// An image in a file, as rows of RGB floats.
 //
 // Opening a source reads and checks the header and decodes nothing. Readers are independent of one another,
 // each with its own handle on the file or its own place in the bytes in memory, so that blocks of rows decode side by
@@ -23,7 +23,7 @@
 
 namespace welkin::files {
 
-/// The largest picture that any layout can hold; what claims to be larger is refused by its header.
+/// The largest image that any layout can hold; what claims to be larger is refused by its header.
 inline constexpr int kMaximumWidth = 65536;
 inline constexpr int kMaximumHeight = 6 * 16384;
 
@@ -47,13 +47,13 @@ class RowReader {
  public:
   virtual ~RowReader() = default;
 
-  /// Decodes rows [first_row, first_row + row_count) of the picture, row 0 on top, to
-  /// row_count x width x 3 floats. The range is the caller's to keep inside the picture.
+  /// Decodes rows [first_row, first_row + row_count) of the image, row 0 on top, to
+  /// row_count x width x 3 floats. The range is the caller's to keep inside the image.
   /// Throws `Error`: corrupt_file, file_access, limit_exceeded. After that the reader is not to be used.
   virtual void read(int first_row, int row_count, float* rgb) = 0;
 };
 
-/// Reads a picture whose rows come one after the other from the top: asked for a row above the last one, it starts
+/// Reads an image whose rows come one after the other from the top: asked for a row above the last one, it starts
 /// again.
 class SequentialReader : public RowReader {
  public:
@@ -88,7 +88,7 @@ class RowSource {
   /// section's rows. Reading multiples of it from multiples of it (counted in a section) decodes everything once.
   [[nodiscard]] virtual int natural_rows() const = 0;
 
-  /// Rows of a part that decodes on its own: the height, or less where the picture is made up from several files.
+  /// Rows of a part that decodes on its own: the height, or less where the image is made up from several files.
   /// The height is a multiple of it.
   [[nodiscard]] virtual int section_rows() const { return info_.height; }
 
@@ -97,14 +97,14 @@ class RowSource {
   /// for the turn.
   [[nodiscard]] virtual bool sequential() const { return false; }
 
-  /// Whether the picture is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
+  /// Whether the image is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
   /// hand out the rows as they are in the file all the same.
   [[nodiscard]] virtual bool has_openexr_cube_frames() const { return false; }
 
-  /// Whether the smaller levels are blurred for reflections, so that none of them stands for the picture.
+  /// Whether the smaller levels are blurred for reflections, so that none of them stands for the image.
   [[nodiscard]] virtual bool has_prefiltered_levels() const { return false; }
 
-  /// Three bands of radiance that the file stores beside the picture, in Welkin's axes.
+  /// Three bands of radiance that the file stores beside the image, in Welkin's axes.
   [[nodiscard]] virtual std::optional<SphericalHarmonics> stored_radiance() const { return std::nullopt; }
 
   /// An upper bound, by the header alone, on what one reader holds in memory.
@@ -127,11 +127,11 @@ class RowSource {
   FileInput input_;
 };
 
-/// Opens one picture file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
+/// Opens one image file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
 /// one face of them. Throws as `inspect_environment`.
-[[nodiscard]] std::unique_ptr<RowSource> open_picture(const FileInput& input, const ReadOptions& options);
+[[nodiscard]] std::unique_ptr<RowSource> open_image(const FileInput& input, const ReadOptions& options);
 
-/// Opens an environment: a picture file, or the six files of a cubemap, given as they are or by the path of any of them
+/// Opens an environment: an image file, or the six files of a cubemap, given as they are or by the path of any of them
 /// or of their directory.
 /// Throws as `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options);
@@ -145,20 +145,20 @@ class RowSource {
 /// invalid_argument for one face in memory.
 [[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);
 
-/// A strip N x 6N, layout six_files, whose rows come from six square pictures, each a section of its own: `inputs`, as
+/// A strip N x 6N, layout six_files, whose rows come from six square images, each a section of its own: `inputs`, as
 /// `six_inputs` finds them for `input`. Throws as `inspect_environment`; unsupported_file naming the file that is not
 /// square or not of the first one's size.
 [[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
                                                         const ReadOptions& options, const std::string& reason);
 
-/// Bytes of `rows` rows of `width` RGB float texels. Within a picture's bounds this cannot overflow.
+/// Bytes of `rows` rows of `width` RGB float texels. Within an image's bounds this cannot overflow.
 [[nodiscard]] constexpr std::uint64_t rgb_bytes(int width, int rows) noexcept {
   return std::uint64_t{12} * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(rows);
 }
 
-// Runs through a picture's rows in groups, side by side, with a bounded number of readers.
+// Runs through an image's rows in groups, side by side, with a bounded number of readers.
 
-/// How a picture is cut: by its shape and its file's, never by the number of threads.
+/// How an image is cut: by its shape and its file's, never by the number of threads.
 struct RowGroups {
   int rows = 1;                          ///< of each group, but the last one of a section
   std::uint64_t memory_limit_bytes = 0;  ///< for decoding and the groups' rows, on all threads together
@@ -181,13 +181,13 @@ struct RowGroup {
 /// Of a sequential source, groups are decoded one after the other and handed to whoever is free: the next one is
 /// decoded while others are worked on. After an error nothing more is decoded there.
 ///
-/// Each thread holds one group's rows, and one reader (sequential: one for each section instead). Small pictures,
+/// Each thread holds one group's rows, and one reader (sequential: one for each section instead). Small images,
 /// and those of which all that would exceed the memory limit, are worked through in the calling thread.
 /// Throws `Error`: limit_exceeded if even that would exceed it, cancelled; and whatever reading or `work` throws.
 std::chrono::nanoseconds for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
                                             const std::function<void(const RowGroup&)>& work);
 
-/// Decodes the whole picture straight to `rgb` (height x width x 3), several comfortable groups at a time. Throws as
+/// Decodes the whole image straight to `rgb` (height x width x 3), several comfortable groups at a time. Throws as
 /// above.
 void read_all_rows(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* rgb);
 

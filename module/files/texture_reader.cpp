@@ -377,8 +377,8 @@ TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& inf
   return linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
 }
 
-/// Layout and sizes of a picture's level.
-void settle_picture(EnvironmentInfo& info, const TextureLayout& layout, const ReadOptions& options) {
+/// Layout and sizes of an image's level.
+void settle_image(EnvironmentInfo& info, const TextureLayout& layout, const ReadOptions& options) {
   const auto levels = static_cast<int>(layout.levels.size());
   require_level(info, levels, options.level);
   for (int level = 0; level < levels; ++level)
@@ -402,7 +402,7 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
   if (layout.faces() == 6) {
     settle_cube(info, layout.size, static_cast<int>(layout.levels.size()), options);
   } else {
-    settle_picture(info, layout, options);
+    settle_image(info, layout, options);
   }
   if (layout.elements > 1) {
     info.notes.push_back("element " + std::to_string(layout.element) + " of an array of " +

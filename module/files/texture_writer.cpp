@@ -8,7 +8,7 @@
 #include "files/codecs.h"
 #include "files/textures.h"
 #include "files/write_environment.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
@@ -27,7 +27,7 @@ constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
 struct Container {
   const char* extension;
   std::uint64_t (*write)(const TextureJob&);
-  bool flat;            ///< pictures as well as cubemaps
+  bool flat;            ///< images as well as cubemaps
   bool packed_formats;  ///< b10g11r11 and e5b9g9r9
   bool supercompression;
   bool bc6h;
@@ -101,22 +101,22 @@ std::optional<BlockLevels> compressed(const TextureJob& job) {
   };
   const Bc6hEffort effort = job.options.bc6h_effort;
   if (kind == TexelKind::uastc_hdr_4x4) {
-    return with_blocks_of(image::encode_uastc_hdr_pictures(job.levels, effort, control));
+    return with_blocks_of(image::encode_uastc_hdr_images(job.levels, effort, control));
   }
-  return with_blocks_of(image::encode_bc6h_pictures(job.levels, {effort, kind == TexelKind::bc6h_sfloat}, control));
+  return with_blocks_of(image::encode_bc6h_images(job.levels, {effort, kind == TexelKind::bc6h_sfloat}, control));
 }
 
-void TexelEncoder::encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels) {
-  const auto count = static_cast<std::size_t>(picture.width);
+void TexelEncoder::encode(const LatLongView& image, int first_row, int rows, std::uint8_t* texels) {
+  const auto count = static_cast<std::size_t>(image.width);
   rgb_.resize(3 * count);
   for (int row = first_row; row < first_row + rows; ++row, texels += count * texel_bytes(kind_of(format_))) {
-    image::decode_texels(picture.format, image::row_of(picture, row), picture.width, rgb_.data());
+    image::decode_texels(image.format, image::row_of(image, row), image.width, rgb_.data());
     clamped_ += image::encode_texels(format_, rgb_.data(), count, texels);
   }
 }
 
 TexelProgress::TexelProgress(const TextureJob& job) : control_(job.control) {
-  for (const std::vector<LatLongView>& pictures : job.levels) total_ += static_cast<double>(image::texels_of(pictures));
+  for (const std::vector<LatLongView>& images : job.levels) total_ += static_cast<double>(image::texels_of(images));
 }
 
 void TexelProgress::next(std::uint64_t texels) {
@@ -125,15 +125,15 @@ void TexelProgress::next(std::uint64_t texels) {
   done_ += static_cast<double>(texels);
 }
 
-void write_picture(const TextureJob& job, const LatLongView& picture, TexelEncoder& encoder, TexelProgress& progress) {
-  const auto width = static_cast<std::size_t>(picture.width);
-  const int block_rows = std::clamp(static_cast<int>(kBlockTexels / width), 1, picture.height);
+void write_image(const TextureJob& job, const LatLongView& image, TexelEncoder& encoder, TexelProgress& progress) {
+  const auto width = static_cast<std::size_t>(image.width);
+  const int block_rows = std::clamp(static_cast<int>(kBlockTexels / width), 1, image.height);
   std::vector<std::uint8_t> texels(width * static_cast<std::size_t>(block_rows) * texel_bytes(job.kind()));
-  for (int row = 0; row < picture.height; row += block_rows) {
-    const int rows = std::min(block_rows, picture.height - row);
+  for (int row = 0; row < image.height; row += block_rows) {
+    const int rows = std::min(block_rows, image.height - row);
     const std::size_t count = width * static_cast<std::size_t>(rows);
     progress.next(count);
-    encoder.encode(picture, row, rows, texels.data());
+    encoder.encode(image, row, rows, texels.data());
     job.file.write(texels.data(), count * texel_bytes(job.kind()));
   }
 }
@@ -148,7 +148,7 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
   files::check_options(output.path(), container, options);
   std::vector<std::vector<LatLongView>> levels;
   levels.reserve(mips.size());
-  for (const CubemapView& view : mips) levels.push_back(image::pictures_of(view));
+  for (const CubemapView& view : mips) levels.push_back(image::images_of(view));
   files::OutputFiles written;
   const std::uint64_t values_clamped =
       container.write({written.add(output), std::move(levels), options, control, mips});
@@ -158,7 +158,7 @@ WriteReport write_texture(const FileOutput& output, std::span<const CubemapView>
 WriteReport write_texture_2d(const FileOutput& output, int width, int height, const float* rgb,
                              const TextureOptions& options, const Control& control) {
   const platform::FloatingPointScope floating_point;
-  const LatLongView picture{rgb, width, height, 0, PixelFormat::rgb32f};
+  const LatLongView image{rgb, width, height, 0, PixelFormat::rgb32f};
   constexpr int largest = 16384;
   if (rgb == nullptr || width < 1 || height < 1 || width > largest || height > largest) {
     throw Error(ErrorCode::invalid_argument, "a texture of " + std::to_string(width) + " x " + std::to_string(height) +
@@ -172,7 +172,7 @@ WriteReport write_texture_2d(const FileOutput& output, int width, int height, co
   }
   files::check_options(output.path(), container, options);
   files::OutputFiles written;
-  const std::uint64_t values_clamped = container.write({written.add(output), {{picture}}, options, control});
+  const std::uint64_t values_clamped = container.write({written.add(output), {{image}}, options, control});
   return written.commit(values_clamped, control);
 }
 
@@ -193,8 +193,8 @@ void check_map(const std::filesystem::path& path, const OctahedralMap& map) {
 }
 
 /// "map.exr", of several levels "map_m2.exr".
-WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options,
-                           const Control& control) {
+WriteReport write_images(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options,
+                         const Control& control) {
   const std::filesystem::path& path = output.path();
   if (output.bytes() != nullptr && map.levels.size() > 1) {
     throw platform::file_error(
@@ -207,8 +207,8 @@ WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, c
   for (int level = 0; level < static_cast<int>(map.levels.size()); ++level) {
     platform::WholeFile& file = written.add(
         map.levels.size() == 1 ? output : files::beside(path, "_m" + std::to_string(level), path.extension()));
-    const files::OutputPicture picture(map.view(level));
-    values_clamped += files::write_exr(picture, {file, type, false, false, {control.stop, {}}});
+    const files::OutputImage image(map.view(level));
+    values_clamped += files::write_exr(image, {file, type, false, false, {control.stop, {}}});
   }
   return written.commit(values_clamped, control);
 }
@@ -221,7 +221,7 @@ WriteReport write_octahedral(const FileOutput& output, const OctahedralMap& map,
   check_map(output.path(), map);
   const files::Container& container = files::container_of(output.path());
   files::check_options(output.path(), container, options);
-  if (container.write == files::write_exr_cube) return write_pictures(output, map, options, control);
+  if (container.write == files::write_exr_cube) return write_images(output, map, options, control);
   if (container.write != files::write_ktx2) {
     throw platform::file_error(ErrorCode::invalid_argument, output.path(),
                                "is not written as an octahedral map; use .ktx2 or .exr");

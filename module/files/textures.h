@@ -117,7 +117,7 @@ struct KindTraits {
 }
 [[nodiscard]] inline std::size_t texel_bytes(TexelKind kind) noexcept { return traits(kind).bytes; }
 
-/// What holds some rows of a face or picture, whole blocks of it; `size`: texels in a row.
+/// What holds some rows of a face or image, whole blocks of it; `size`: texels in a row.
 struct ByteRange {
   std::uint64_t first_byte;  ///< from the face's first one
   std::uint64_t bytes;
@@ -159,7 +159,7 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 
-/// What a header says: of a cubemap, or of a picture (as a lat-long is). Of an array of them it says where one element
+/// What a header says: of a cubemap, or of an image (as a lat-long is). Of an array of them it says where one element
 /// lies. Every place lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
@@ -171,8 +171,8 @@ struct TextureLayout {
   FileFormat container = FileFormat::ktx2;  ///< or dds
   TexelKind kind = TexelKind::rgba16f;
   Supercompression supercompression = Supercompression::none;
-  int size = 0;               ///< texels along an edge of level 0; of a picture in a row
-  int height = 0;             ///< rows of a picture's level 0; 0: this is a cubemap
+  int size = 0;               ///< texels along an edge of level 0; of an image in a row
+  int height = 0;             ///< rows of an image's level 0; 0: this is a cubemap
   int elements = 1;           ///< of an array
   int element = 0;            ///< of those the one whose places these are
   std::vector<Level> levels;  ///< largest first
@@ -181,12 +181,12 @@ struct TextureLayout {
 
   [[nodiscard]] int level_size(int level) const noexcept { return size >> level > 1 ? size >> level : 1; }
   [[nodiscard]] int faces() const noexcept { return height > 0 ? 1 : 6; }
-  /// Rows of a face, or of the picture.
+  /// Rows of a face, or of the image.
   [[nodiscard]] int level_rows(int level) const noexcept {
     if (height == 0) return level_size(level);
     return height >> level > 1 ? height >> level : 1;
   }
-  /// Bytes of a face, or of the picture.
+  /// Bytes of a face, or of the image.
   [[nodiscard]] std::uint64_t face_bytes(int level) const noexcept {
     return row_byte_range(kind, level_size(level), 0, level_rows(level)).bytes;
   }
@@ -236,7 +236,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
 
 // KTX2 and DDS cubemaps as rows.
 
-/// A file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; a picture holds the
+/// A file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds the
 /// sphere as its shape or the options say. Packed levels are
 /// unpacked whole. 8-bit texels are linear or sRGB as the format says, or as ReadOptions.transfer has it. Throws as
 /// `inspect_environment`.
@@ -245,7 +245,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
 // Whether a file's chain of levels is one of plain mips.
 
 /// Whether a key of a file's metadata speaks of roughness ("welkin.roughness"): then the smaller levels are blurred for
-/// reflections, and none of them stands for the picture.
+/// reflections, and none of them stands for the image.
 [[nodiscard]] inline bool speaks_of_roughness(const std::string& key) {
   return lower_case(key).find("roughness") != std::string::npos;
 }
@@ -255,7 +255,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
 /// A texture that is about to be written, a cubemap or flat; all that was checked.
 struct TextureJob {
   platform::WholeFile& file;
-  std::vector<std::vector<LatLongView>> levels;  ///< of each its six faces, or its one picture: rows, not directions
+  std::vector<std::vector<LatLongView>> levels;  ///< of each its six faces, or its one image: rows, not directions
   const TextureOptions& options;
   const Control& control;
   std::span<const CubemapView> mips{};  ///< of a cubemap the same levels
@@ -268,7 +268,7 @@ struct TextureJob {
 
 /// Levels in blocks.
 struct BlockLevels {
-  std::vector<std::vector<std::uint8_t>> levels;  ///< of each the blocks of its faces, or of its picture
+  std::vector<std::vector<std::uint8_t>> levels;  ///< of each the blocks of its faces, or of its image
   std::uint64_t values_clamped = 0;
 };
 
@@ -295,7 +295,7 @@ class AstcDecoder {
 /// `path` is for messages. Throws `Error` (unsupported_file) in a build without astcenc, `std::bad_alloc`.
 [[nodiscard]] std::unique_ptr<AstcDecoder> make_astc_decoder(TexelKind kind, const std::filesystem::path& path);
 
-/// Encodes the faces of each level, or the one picture of it. What halves cannot hold, and negatives, are clamped and
+/// Encodes the faces of each level, or the one image of it. What halves cannot hold, and negatives, are clamped and
 /// counted. The same bytes on any number of threads: blocks are encoded by themselves. Throws `Error`:
 /// invalid_argument (the effort), cancelled; `std::bad_alloc`.
 [[nodiscard]] BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelKind kind,
@@ -321,13 +321,13 @@ struct Volume {
 void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata);
 
-/// Turns a face or picture into texels, a block of rows after the other.
+/// Turns a face or image into texels, a block of rows after the other.
 class TexelEncoder {
  public:
   explicit TexelEncoder(TexelFormat format) : format_(format) {}
 
   /// Some rows, to `texels`: rows x width texels.
-  void encode(const LatLongView& picture, int first_row, int rows, std::uint8_t* texels);
+  void encode(const LatLongView& image, int first_row, int rows, std::uint8_t* texels);
 
   [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
 
@@ -350,7 +350,7 @@ class TexelProgress {
   double done_ = 0.0;
 };
 
-/// Writes a face or picture as it lies in the file, unpacked.
-void write_picture(const TextureJob& job, const LatLongView& picture, TexelEncoder& encoder, TexelProgress& progress);
+/// Writes a face or image as it lies in the file, unpacked.
+void write_image(const TextureJob& job, const LatLongView& image, TexelEncoder& encoder, TexelProgress& progress);
 
 }  // namespace welkin::files

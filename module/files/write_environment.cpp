@@ -22,13 +22,13 @@
 namespace welkin {
 namespace {
 
-using files::OutputPicture;
+using files::OutputImage;
 using platform::file_error;
 
 struct Format {
   const char* extension;
   std::optional<files::Codec> codec;  ///< that writes it, if a build can leave it out
-  std::uint64_t (*write)(const OutputPicture&, const files::WriteJob&);
+  std::uint64_t (*write)(const OutputImage&, const files::WriteJob&);
   std::vector<SampleType> types;  ///< the first is the automatic one
   const char* types_in_words;
 };
@@ -76,10 +76,10 @@ class EnvironmentFiles {
   enum class Header { plain, openexr_lat_long, openexr_cube };
 
   /// `from` to `to`: the part of the progress.
-  void add(const FileOutput& output, const OutputPicture& picture, Header header, double from, double to) {
+  void add(const FileOutput& output, const OutputImage& image, Header header, double from, double to) {
     const Control part = jobs::part_of(control_, from, to);
     values_clamped_ += format_.write(
-        picture, {files_.add(output), type_, header == Header::openexr_cube, header == Header::openexr_lat_long, part});
+        image, {files_.add(output), type_, header == Header::openexr_cube, header == Header::openexr_lat_long, part});
   }
 
   WriteReport commit() { return files_.commit(values_clamped_, control_); }
@@ -123,22 +123,22 @@ void check_write_options(const FileOutput& output, const WriteOptions& options, 
 
 namespace {
 
-WriteReport write(const FileOutput& output, const LatLongView& picture, const WriteOptions& options,
+WriteReport write(const FileOutput& output, const LatLongView& image, const WriteOptions& options,
                   const Control& control) {
   const Format& format = format_of(output.path());
   EnvironmentFiles written(format, type_for(format, options.type, output.path()), control);
-  written.add(output, OutputPicture(picture), EnvironmentFiles::Header::openexr_lat_long, 0.0, 1.0);
+  written.add(output, OutputImage(image), EnvironmentFiles::Header::openexr_lat_long, 0.0, 1.0);
   return written.commit();
 }
 
-WriteReport write(const FileOutput& output, const CubemapView& picture, const WriteOptions& options,
+WriteReport write(const FileOutput& output, const CubemapView& image, const WriteOptions& options,
                   const Control& control) {
   const std::filesystem::path& path = output.path();
   const Format& format = format_of(path);
   const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
-  if (layout == Layout::horizontal_strip && 6 * picture.size > files::kMaximumWidth) {
+  if (layout == Layout::horizontal_strip && 6 * image.size > files::kMaximumWidth) {
     throw file_error(ErrorCode::invalid_argument, path,
-                     "would be " + std::to_string(6 * picture.size) + " texels wide, above the " +
+                     "would be " + std::to_string(6 * image.size) + " texels wide, above the " +
                          std::to_string(files::kMaximumWidth) +
                          " that are read; write a vertical strip, a cross or six files");
   }
@@ -146,27 +146,26 @@ WriteReport write(const FileOutput& output, const CubemapView& picture, const Wr
   if (layout == Layout::six_files) {
     const std::vector<std::filesystem::path> places = files::files_to_write(path, layout);
     for (int face = 0; face < 6; ++face) {
-      written.add(places[static_cast<std::size_t>(face)], OutputPicture(picture, face), EnvironmentFiles::Header::plain,
+      written.add(places[static_cast<std::size_t>(face)], OutputImage(image, face), EnvironmentFiles::Header::plain,
                   face / 6.0, (face + 1) / 6.0);
     }
   } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
-    written.add(output, OutputPicture(picture, files::openexr_cube_placement()), EnvironmentFiles::Header::openexr_cube,
+    written.add(output, OutputImage(image, files::openexr_cube_placement()), EnvironmentFiles::Header::openexr_cube,
                 0.0, 1.0);
   } else {
-    written.add(output, OutputPicture(picture, files::cube_placement(layout)), EnvironmentFiles::Header::plain, 0.0,
-                1.0);
+    written.add(output, OutputImage(image, files::cube_placement(layout)), EnvironmentFiles::Header::plain, 0.0, 1.0);
   }
   return written.commit();
 }
 
 }  // namespace
 
-WriteReport write_environment(const FileOutput& output, const EnvironmentView& picture, const WriteOptions& options,
+WriteReport write_environment(const FileOutput& output, const EnvironmentView& image, const WriteOptions& options,
                               const Control& control) {
   const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
-  check_write_options(output, options, picture.kind() == EnvironmentKind::cubemap);
-  return image::with_view(picture, [&](const auto& view) { return write(output, view, options, control); });
+  image::check_view(image);
+  check_write_options(output, options, image.kind() == EnvironmentKind::cubemap);
+  return image::with_view(image, [&](const auto& view) { return write(output, view, options, control); });
 }
 
 }  // namespace welkin
@@ -205,17 +204,17 @@ WriteReport OutputFiles::commit(std::uint64_t values_clamped, const Control& con
   return report;
 }
 
-OutputPicture::OutputPicture(const LatLongView& view)
+OutputImage::OutputImage(const LatLongView& view)
     : width_(view.width), height_(view.height), read_row_([view](int row, float* rgb) {
         image::decode_texels(view.format, image::row_of(view, row), view.width, rgb);
       }) {}
 
-OutputPicture::OutputPicture(const CubemapView& view, int face)
+OutputImage::OutputImage(const CubemapView& view, int face)
     : width_(view.size), height_(view.size), read_row_([view, face](int row, float* rgb) {
         image::decode_texels(view.format, image::row_of(view, face, row), view.size, rgb);
       }) {}
 
-OutputPicture::OutputPicture(const CubemapView& view, const CubePlacement& placement)
+OutputImage::OutputImage(const CubemapView& view, const CubePlacement& placement)
     : width_(view.size * placement.columns), height_(view.size * placement.rows) {
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(width_);
   auto face_row = std::make_shared<std::vector<float>>(std::size_t{3} * static_cast<std::size_t>(view.size));

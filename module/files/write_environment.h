@@ -1,4 +1,4 @@
-// A picture that is about to be written: a view laid out as a file wants it, row by row.
+// An image that is about to be written: a view laid out as a file wants it, row by row.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@
 namespace welkin::files {
 
 /// Rows of RGB floats, row 0 on top.
-class OutputPicture {
+class OutputImage {
  public:
-  explicit OutputPicture(const LatLongView& view);
-  /// All six faces as the placement has them; blank texels are black. The placement must outlive the picture.
-  OutputPicture(const CubemapView& view, const CubePlacement& placement);
+  explicit OutputImage(const LatLongView& view);
+  /// All six faces as the placement has them; blank texels are black. The placement must outlive the image.
+  OutputImage(const CubemapView& view, const CubePlacement& placement);
   /// One face alone.
-  OutputPicture(const CubemapView& view, int face);
+  OutputImage(const CubemapView& view, int face);
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
@@ -37,7 +37,7 @@ class OutputPicture {
   std::function<void(int row, float* rgb)> read_row_;
 };
 
-/// What the writers share beside the picture.
+/// What the writers share beside the image.
 struct WriteJob {
   platform::WholeFile& file;
   SampleType type;
@@ -46,7 +46,7 @@ struct WriteJob {
   const Control& control;
 };
 
-/// The files that a picture of this layout becomes at `path`: one, or a face's each in their order.
+/// The files that an image of this layout becomes at `path`: one, or a face's each in their order.
 [[nodiscard]] std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout);
 
 /// "level.json" as "level_three.ktx2".
@@ -83,11 +83,11 @@ class OutputFiles {
 /// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
 void report_rows(const WriteJob& job, int done, int height);
 
-/// Each writes the picture to the job's file and returns how many values were clamped. Throw `Error` as
+/// Each writes the image to the job's file and returns how many values were clamped. Throw `Error` as
 /// `write_environment` does.
-std::uint64_t write_exr(const OutputPicture& picture, const WriteJob& job);
-std::uint64_t write_hdr(const OutputPicture& picture, const WriteJob& job);
-std::uint64_t write_pfm(const OutputPicture& picture, const WriteJob& job);
-std::uint64_t write_png(const OutputPicture& picture, const WriteJob& job);
+std::uint64_t write_exr(const OutputImage& image, const WriteJob& job);
+std::uint64_t write_hdr(const OutputImage& image, const WriteJob& job);
+std::uint64_t write_pfm(const OutputImage& image, const WriteJob& job);
+std::uint64_t write_png(const OutputImage& image, const WriteJob& job);
 
 }  // namespace welkin::files

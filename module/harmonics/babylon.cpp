@@ -21,10 +21,9 @@ constexpr double kLobe0 = kPi;
 constexpr double kLobe1 = (2.0 * kPi) / 3.0;
 constexpr double kLobe2 = kPi / 4.0;
 
-// updateFromHarmonics's constants: the lobe's factor A_l times the basis function's own constant, six digits each.
-// What they stand for: sqrt(pi) / 2, sqrt(pi / 3), sqrt(15 pi) / 8 and half of it, sqrt(5 pi) / 8 and half of it.
-// 0.886277 is a slip for 0.886227, which makes a uniform radiance of 1 come out as 1.0000565; whoever reads the
-// polynomial as Babylon.js does expects it.
+// updateFromHarmonics's constants: the lobe's factor A_l times the basis function's own constant, six digits each:
+// sqrt(pi) / 2, sqrt(pi / 3), sqrt(15 pi) / 8 and half of it, sqrt(5 pi) / 8 and half of it. Babylon.js writes 0.886277
+// where 0.886227 is meant, so a uniform radiance of 1 becomes 1.0000565. Its shaders expect that.
 constexpr double kBand0 = 0.886277;
 constexpr double kBand1 = 1.02333;
 constexpr double kBand2 = 0.858086;

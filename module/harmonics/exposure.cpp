@@ -98,10 +98,10 @@ std::vector<Sample> samples_of(PixelFormat format, int columns, int rows, const 
   return samples;
 }
 
-std::vector<Sample> samples_of(const CubemapView& picture) {
-  const int size = picture.size;
-  const auto row_of = [&](int row) { return image::row_of(picture, row / size, row % size); };
-  return samples_of(picture.format, size, 6 * size, row_of, [size](int row, int column) {
+std::vector<Sample> samples_of(const CubemapView& image) {
+  const int size = image.size;
+  const auto row_of = [&](int row) { return image::row_of(image, row / size, row % size); };
+  return samples_of(image.format, size, 6 * size, row_of, [size](int row, int column) {
     const double u = (2.0 * column + 1.0) / size - 1.0;
     const double v = (2.0 * (row % size) + 1.0) / size - 1.0;
     const double squared = 1.0 + u * u + v * v;
@@ -109,22 +109,22 @@ std::vector<Sample> samples_of(const CubemapView& picture) {
   });
 }
 
-std::vector<Sample> samples_of(const LatLongView& picture) {
+std::vector<Sample> samples_of(const LatLongView& image) {
   std::vector<double> weights;
-  weights.reserve(static_cast<std::size_t>(picture.height));
-  for (int row = 0; row < picture.height; ++row)
-    weights.push_back(image::lat_long_texel_solid_angle(picture.width, picture.height, row));
-  const auto row_of = [&](int row) { return image::row_of(picture, row); };
-  return samples_of(picture.format, picture.width, picture.height, row_of,
+  weights.reserve(static_cast<std::size_t>(image.height));
+  for (int row = 0; row < image.height; ++row)
+    weights.push_back(image::lat_long_texel_solid_angle(image.width, image.height, row));
+  const auto row_of = [&](int row) { return image::row_of(image, row); };
+  return samples_of(image.format, image.width, image.height, row_of,
                     [&](int row, int /*column*/) { return weights[static_cast<std::size_t>(row)]; });
 }
 
 }  // namespace
 
-double exposure_of(const EnvironmentView& picture) {
+double exposure_of(const EnvironmentView& image) {
   const platform::FloatingPointScope floating_point;
-  image::check_view(picture);
-  return exposure_of(image::with_view(picture, [](const auto& view) { return samples_of(view); }));
+  image::check_view(image);
+  return exposure_of(image::with_view(image, [](const auto& view) { return samples_of(view); }));
 }
 
 }  // namespace welkin

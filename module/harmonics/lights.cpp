@@ -59,8 +59,8 @@ namespace {
 
 // A cap of radiance L and angular radius a around z has c(l, 0) = 2 pi L sqrt((2l + 1) / 4 pi) Int from c to 1 of P_l,
 // c = cos a, and Legendre's equation integrates to (1 - c^2) P_l'(c) / (l (l + 1)): with the usual difference of
-// P_(l - 1) and P_(l + 1) a sun of 1e-8 sr would lose half its digits. With t = 1 - c = solid angle / 2 pi, turned to
-// d:
+// P_(l - 1) and P_(l + 1) a sun of 1e-8 sr would lose half its digits. With t = 1 - c = solid angle / 2 pi, rotated
+// to d:
 //   c(l, m) = L solid_angle k_l Y(l, m)(d),   k_l = (2 - t) P_l'(1 - t) / (l (l + 1)),   k_0 = 1,
 // and k_l goes to 1 as the disc shrinks to a point.
 SphericalHarmonics sun_harmonics(const Sun& sun, int bands) {

@@ -258,7 +258,7 @@ Low descend(const std::vector<double>& channel, int bands, Low low) {
     const harmonics::HarmonicDerivatives here = harmonics::harmonic_derivatives(channel, bands, low.direction);
     low.value = here.value;
     glm::dvec3 step = newton_step(parabola_at(here, low.direction), limit);
-    // What is gained is of the second order in the step: 1e-9 is below rounding.
+    // The gain is of second order in the step: with 1e-9 it is below rounding.
     for (;; step *= 0.5) {
       if (!(glm::length(step) > 1e-9)) return low;
       const glm::dvec3 next = glm::normalize(low.direction + step);

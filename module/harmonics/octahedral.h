@@ -14,8 +14,8 @@ void check_options(const OctahedralOptions& options, int most_levels);
 /// Returns the bytes of the map.
 [[nodiscard]] std::uint64_t map_bytes(const OctahedralOptions& options) noexcept;
 
-/// Returns the bytes that making it holds at most beside it, from a cubemap whose level 0 has `cube_size` texels along
-/// an edge.
+/// Returns the most bytes of working memory, without the map, that are needed to make it from a cubemap with
+/// `cube_size` texels per edge.
 [[nodiscard]] std::uint64_t working_bytes(const OctahedralOptions& options, int cube_size,
                                           std::size_t workers) noexcept;
 

@@ -1,4 +1,4 @@
-// What stands on the border of an octahedral map.
+// Texels on the border of an octahedral map.
 #pragma once
 
 namespace welkin::octahedral {

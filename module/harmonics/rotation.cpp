@@ -36,8 +36,8 @@ SphericalHarmonics rotate_by(const glm::dmat3& map, const SphericalHarmonics& ha
   return result;
 }
 
-/// Of unit length. Divided by the largest component first: no square overflows or vanishes.
-glm::dquat normalised(const Quaternion& q) {
+/// Returns the quaternion at unit length. Divides by the largest component first: no square overflows or vanishes.
+glm::dquat normalized(const Quaternion& q) {
   const double largest = std::max({std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
   const double sum = std::abs(q.w) + std::abs(q.x) + std::abs(q.y) + std::abs(q.z);  // NaN if any of them is
   if (!(largest > 0.0) || !std::isfinite(largest) || std::isnan(sum)) {
@@ -71,7 +71,7 @@ double distance_from_orthogonal(const glm::dmat3& matrix) {
 
 SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const Quaternion& rotation) {
   const platform::FloatingPointScope floating_point;
-  return rotate_by(glm::mat3_cast(normalised(rotation)), harmonics);
+  return rotate_by(glm::mat3_cast(normalized(rotation)), harmonics);
 }
 
 SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const dmat3& rotation) {
@@ -83,7 +83,7 @@ SphericalHarmonics rotate(const SphericalHarmonics& harmonics, const dmat3& rota
                     platform::number_text(off) +
                     " (1e-6 is allowed); pass a rotation or mirror without scale and shear");
   }
-  // What is off would grow with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
+  // Deviations would increase with the band. M (3 - M^T M) / 2 squares the distance from the nearest orthogonal matrix
   // (Bjorck and Bowie 1971); twice is enough from 1e-6, and an exact matrix stays as it is.
   glm::dmat3 map = rotation;
   // For M^T M = 1 + D the next one's is (1 + D) (1 - D / 2)^2 = 1 - 3/4 D^2 + D^3 / 4: 1e-6 becomes 8e-13 and then
@@ -228,7 +228,7 @@ class Swap {
 /// Coefficients of a band after a turn about z: of Y(l, m) and Y(l, -m), which hold the cosine and the sine of m phi.
 void rotate_about_z(int l, const glm::dvec2* turns, glm::dvec3* middle) {
   for (int m = 1; m <= l; ++m) {
-    // Turned by a:
+    // Rotated by a:
     //   c cos(m (phi - a)) + s sin(m (phi - a))
     //     = (c cos(m a) - s sin(m a)) cos(m phi) + (c sin(m a) + s cos(m a)) sin(m phi).
     const glm::dvec3 cosine = middle[m];

@@ -34,7 +34,7 @@ constexpr int kMaxRounds = 1000;  ///< never reached: bounds a loop whose end re
 
 using BandValues = std::array<double, kMaximumBands>;
 
-/// What each band of a channel contributes at a direction.
+/// Returns the contribution of each band of a channel at a direction.
 BandValues values_by_band(const SphericalHarmonics& harmonics, int channel, const glm::dvec3& direction) {
   std::array<double, std::size_t{kMaximumBands} * kMaximumBands> basis;
   math::evaluate_basis(direction.x, direction.y, direction.z, harmonics.bands(), basis.data());

@@ -35,8 +35,8 @@ constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
 class CubeMeans final : public RunSink {
  public:
   /// `patch`: room for the RGB of the largest patch, and of what is read beyond it.
-  CubeMeans(const TileWeights& weights, const FloatPlane& picture, const std::array<float*, 6>& faces, float* patch)
-      : weights_(weights), picture_(picture), faces_(faces), patch_(patch) {}
+  CubeMeans(const TileWeights& weights, const FloatPlane& image, const std::array<float*, 6>& faces, float* patch)
+      : weights_(weights), image_(image), faces_(faces), patch_(patch) {}
 
   void take(const WeighedRun& run) override {
     const std::span<const std::int32_t> columns(run.patches.columns, static_cast<std::size_t>(run.patches.count));
@@ -45,8 +45,8 @@ class CubeMeans final : public RunSink {
       PlacedRun placed;
       if (!place_image(image, run, weights_.size(), weights_.width(), placed)) continue;
       PatchRun& patches = placed.patches;
-      patches.origin = picture_.texel(0, image.below ? weights_.height() - 1 : 0);
-      patches.row_stride = image.below ? -picture_.row_floats() : picture_.row_floats();
+      patches.origin = image_.texel(0, image.below ? weights_.height() - 1 : 0);
+      patches.row_stride = image.below ? -image_.row_floats() : image_.row_floats();
       float* const rgb = faces_[static_cast<std::size_t>(image.face)] + placed.offset;
       if (is_inside(patches, lowest) && is_inside(patches, highest)) {
         kernels_.sample_patches(patches, rgb);
@@ -57,7 +57,7 @@ class CubeMeans final : public RunSink {
   }
 
  private:
-  /// The picture's column where a patch begins whose first column is `column`, or whose last one where it is mirrored.
+  /// The image's column where a patch begins whose first column is `column`, or whose last one where it is mirrored.
   static int left_of(const PatchRun& run, int column) noexcept {
     return run.mirrored ? run.base - column - 4 * run.patch_groups : run.base + column;
   }
@@ -67,7 +67,7 @@ class CubeMeans final : public RunSink {
     return left >= 0 && left + 4 * run.patch_groups + kReadBeyond <= weights_.width();
   }
 
-  /// Draws patches that lie across the picture's seam from copies of their texels, and the others between them as
+  /// Draws patches that lie across the image's seam from copies of their texels, and the others between them as
   /// usual.
   void draw_at_seam(const PatchRun& run, float* rgb) {
     for (int first = 0; first < run.count;) {
@@ -103,7 +103,7 @@ class CubeMeans final : public RunSink {
 
   const ImageKernels& kernels_ = image_kernels();
   const TileWeights& weights_;
-  const FloatPlane& picture_;
+  const FloatPlane& image_;
   std::array<float*, 6> faces_;
   float* patch_;
 };
@@ -116,7 +116,7 @@ void fill_by_area(const LatLongView& source, int size, const std::array<float*, 
   const auto made = kept ? nullptr : std::make_shared<TileWeightTable>(key);
   const TileWeightTable& table = kept ? *kept : *made;
   const TileWeights& weights = table.weights();
-  const FloatPlane picture(source, jobs::part_of(control, 0.0, kShareOfCopy));
+  const FloatPlane image(source, jobs::part_of(control, 0.0, kShareOfCopy));
   const std::int64_t work = std::int64_t{6} * size * size + std::int64_t{source.width} * source.height;
   const jobs::Placement placement = work <= kInlineTexels ? jobs::Placement::calling_thread : jobs::Placement::arena;
   const std::size_t workers = jobs::worker_count(placement);
@@ -132,7 +132,7 @@ void fill_by_area(const LatLongView& source, int size, const std::array<float*, 
   const auto tiles = static_cast<std::size_t>((lines + tile_lines - 1) / tile_lines);
   jobs::run_tiles(2 * tiles, placement, workers, jobs::part_of(control, kShareOfCopy, 1.0),
                   [&](std::size_t tile, std::size_t worker) {
-                    CubeMeans means(weights, picture, faces, patches[worker].data());
+                    CubeMeans means(weights, image, faces, patches[worker].data());
                     const int first = static_cast<int>(tile % tiles) * tile_lines;
                     const bool polar = tile >= tiles;
                     for (int row = first; row < std::min(first + tile_lines, lines); ++row) {

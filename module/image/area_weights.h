@@ -133,7 +133,7 @@ enum class TileKind {
 };
 [[nodiscard]] std::span<const TileImage> images_of(TileKind kind) noexcept;
 
-/// The weights of a run of tiles. `patches` lacks what depends on the image and the picture; its columns are counted
+/// The weights of a run of tiles. `patches` lacks what depends on the image and the lat-long; its columns are counted
 /// from the place of distance 0 and its rows from the pole.
 struct WeighedRun {
   TileKind kind;

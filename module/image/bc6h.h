@@ -89,7 +89,7 @@ using Bc6hNumbers = std::array<std::array<std::int32_t, 3>, 4>;
 void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
                          std::uint16_t* halves) noexcept;
 
-/// Rows of a picture of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// Rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
 /// rgb: [rows][width][3].
 void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
                       float* rgb) noexcept;

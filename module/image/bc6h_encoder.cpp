@@ -1,4 +1,4 @@
-// Cubemaps and pictures to BC6H and back.
+// Cubemaps and images to BC6H and back.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
@@ -65,8 +65,8 @@ struct Candidate {
 
 class Balancer {
  public:
-  Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
-      : pictures_(pictures),
+  Balancer(const std::vector<LatLongView>& images, const BlockFormat& format, EncodedLevels::Level& level)
+      : images_(images),
         format_(format),
         total_(total_light(level.lights)),
         brightest_(brightest_blocks(level.lights, total_)),
@@ -99,7 +99,7 @@ class Balancer {
   [[nodiscard]] std::uint8_t* bytes_of(std::size_t block) const { return blocks_ + kBlockBytes * block; }
 
   void read(std::size_t block) {
-    wanted_ = block_texels(pictures_, block, format_.least());
+    wanted_ = block_texels(images_, block, format_.least());
     for (std::size_t k = 0; k < halves_.size(); ++k) halves_[k] = number_of(half_from_float(wanted_.values[k]));
   }
 
@@ -250,7 +250,7 @@ class Balancer {
     return growth;
   }
 
-  const std::vector<LatLongView>& pictures_;
+  const std::vector<LatLongView>& images_;
   const BlockFormat& format_;
   ChannelSums total_;
   std::vector<BlockShare> brightest_;
@@ -284,12 +284,12 @@ void encode_two_lines(const BlockGroup& group, const BlockFormat& format, Encode
 
 }  // namespace
 
-EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
-                                   const Control& control) {
+EncodedLevels encode_bc6h_images(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
+                                 const Control& control) {
   const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines,
-                           [](const std::vector<LatLongView>& pictures, const BlockFormat& own,
-                              EncodedLevels::Level& level) { level.squares += Balancer(pictures, own, level).run(); }};
-  return encode_pictures(levels, format, control);
+                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
+                              EncodedLevels::Level& level) { level.squares += Balancer(images, own, level).run(); }};
+  return encode_images(levels, format, control);
 }
 
 }  // namespace welkin::image
@@ -298,7 +298,7 @@ namespace welkin {
 namespace {
 
 /// A unit in a half's last place is 2^-10 / m of a value, with m from 1 to 2. This is the mean of 1 / m^2 over the
-/// texels of seven pictures' chains, by what the errors came to. (Of evenly spread logarithms it would be 0.54.)
+/// texels of seven images' chains, by what the errors came to. (Of evenly spread logarithms it would be 0.54.)
 constexpr double kMeanSquareOfUnits = 0.51;
 
 /// Of six faces.
@@ -355,8 +355,8 @@ Bc6hCubemap encode_bc6h(std::span<const CubemapView> mips, const Bc6hOptions& op
   image::check_chain(mips);
   std::vector<std::vector<LatLongView>> levels;
   levels.reserve(mips.size());
-  for (const CubemapView& view : mips) levels.push_back(image::pictures_of(view));
-  image::EncodedLevels encoded = image::encode_bc6h_pictures(levels, options, control);
+  for (const CubemapView& view : mips) levels.push_back(image::images_of(view));
+  image::EncodedLevels encoded = image::encode_bc6h_images(levels, options, control);
   Bc6hCubemap cubemap;
   cubemap.is_signed = options.is_signed;
   cubemap.values_clamped = encoded.values_clamped;

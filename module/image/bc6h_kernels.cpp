@@ -11,7 +11,7 @@ constexpr float kLargestHalfBits = 31743.0F;  // of 65504
 
 /// How much more the light of a texel makes it count. An error of a bright texel shifts the block's mean: with 1 the
 /// worst mean of a level of 16 texels or more is off by 0.34 %, with 2 by 0.31, with 2.5 by 0.16 (`normal`, the seven
-/// pictures of docs/notes/textures.md); errors grow by a hundredth from 1 to 2 and a thousandth from there.
+/// images of docs/notes/textures.md); errors grow by a hundredth from 1 to 2 and a thousandth from there.
 constexpr float kBrightness = 2.5F;
 
 /// Rows of 16 blocks to values by lanes: four floats of four blocks are turned at a time.

@@ -11,7 +11,7 @@ namespace welkin::image {
 /// 16 blocks. Values stand by lanes: values[3 texel + channel][block].
 struct alignas(64) BlockGroup {
   float values[48][simd::kLanes];
-  /// What an error of a texel counts. Given: 1, or nearly nothing for those that repeat the edge of a picture.
+  /// What an error of a texel counts. Given: 1, or nearly nothing for those that repeat the edge of an image.
   float weights[16][simd::kLanes];
 };
 

@@ -1,4 +1,4 @@
-// Blocks of 4 x 4 texels in 128 bits, as BC6H and ASTC have them: their bits, and rows of a picture of them.
+// Blocks of 4 x 4 texels in 128 bits, as BC6H and ASTC have them: their bits, and rows of an image of them.
 #pragma once
 
 #include <algorithm>
@@ -69,7 +69,7 @@ class BlockBits {
   int place_ = 0;
 };
 
-/// Rows of a picture of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// Rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
 /// rgb: [rows][width][3]. `decode(block, halves)` writes a block's 16 x 3 halves, row by row.
 template <class Decode>
 void decode_block_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb,

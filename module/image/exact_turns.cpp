@@ -1,4 +1,4 @@
-// Turns of pictures that need no samples between texels: those that take texels to texels, or rows to rows.
+// Turns of images that need no samples between texels: those that take texels to texels, or rows to rows.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -125,7 +125,7 @@ struct ColumnsAndRows {
   }
 };
 
-/// A longitude, in turns, becomes shift + itself, or shift - itself if the picture is mirrored: the columns move left
+/// A longitude, in turns, becomes shift + itself, or shift - itself if the image is mirrored: the columns move left
 /// by shift times the width.
 std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& rotation, int width) {
   const glm::dvec3 up = rotation * glm::dvec3(0, 1, 0);

@@ -100,7 +100,7 @@ class TexelGrid {
   [[nodiscard]] glm::dvec3 direction(std::int64_t texel) const noexcept;
 
   /// The texels that touch a texel at an edge or a corner: across the seam, over the poles (to the columns on the
-  /// other side of the pole) and over a cube's edges. Seven at a cube's corner. On tiny pictures a texel may be
+  /// other side of the pole) and over a cube's edges. Seven at a cube's corner. On tiny images a texel may be
   /// named twice, or be its own neighbour.
   struct Neighbours {
     std::array<std::int64_t, 8> texels{};

@@ -152,7 +152,7 @@ void position_taps(const double* positions, int count, bool cubic, std::int32_t*
   }
 }
 
-// Weighted sums over patches of a picture.
+// Weighted sums over patches of an image.
 //
 // Four texels of a row, with zeros for fourth values, are the 16 logical lanes. What is left of a patch, spread over
 // them, is folded for several points at once where registers are wide enough.
@@ -171,7 +171,7 @@ WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
   return run.origin + run.rows[point] * run.row_stride + 3 * static_cast<std::ptrdiff_t>(column);
 }
 
-/// Asks for the texels of a patch further on. A picture far finer than the cube is read from memory but once, in as
+/// Asks for the texels of a patch further on. An image far finer than the cube is read from memory but once, in as
 /// many rows at a time as a patch has, which is more than the processor follows by itself.
 template <bool mirrored>
 WELKIN_INLINE void fetch_patch(const PatchRun& run, int point) {

@@ -1,4 +1,4 @@
-// The kernels of pictures: samples of grids and patches, half-sized rows, and what texels weigh in each harmonic.
+// The kernels of images: samples of grids and patches, half-sized rows, and what texels weigh in each harmonic.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ struct ByteValues {
 /// Radiance of bytes of the sRGB transfer function (IEC 61966-2-1), each rounded once.
 extern const ByteValues kLinearFromSrgb;
 
-/// Points of a row of a picture, on a grid of texels of four floats (red, green, blue, unused).
+/// Points of a row of an image, on a grid of texels of four floats (red, green, blue, unused).
 struct GridRun {
   const float* origin;         ///< ring 0, column 0
   std::ptrdiff_t ring_stride;  ///< floats from a ring to the next
@@ -29,13 +29,13 @@ struct GridRun {
   bool not_negative;  ///< results below 0 become 0
 };
 
-/// Points of a picture of packed RGB floats, each the weighted sum of a patch of texels of its own.
+/// Points of an image of packed RGB floats, each the weighted sum of a patch of texels of its own.
 struct PatchRun {
   const float* origin;          ///< row 0, column 0; two texels right of a patch are read, but have no part in its sum
   std::ptrdiff_t row_stride;    ///< floats from a row to the next
   const std::int32_t* rows;     ///< [count]: first row of each patch
   const std::int32_t* columns;  ///< [count]: first column
-  std::int32_t base;            ///< column 0's place in the picture
+  std::int32_t base;            ///< column 0's place in the image
   bool mirrored;                ///< columns count to the left from the one before `base`
   /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
   const float* weights;

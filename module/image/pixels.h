@@ -86,7 +86,7 @@ inline constexpr float kLargestSharedFloat = 65408.0F;  ///< 511/512 x 2^16
 /// `value` raised to 2.2, for values in [0, 1]; relative error below 1e-15, the same bits everywhere.
 [[nodiscard]] double power_2_2(double value) noexcept;
 
-// A picture's rows, and the same as RGB floats that can be looked up at random.
+// An image's rows, and the same as RGB floats that can be looked up at random.
 
 /// First texel of a row, whichever way the rows run.
 [[nodiscard]] const void* row_of(const LatLongView& view, int row) noexcept;

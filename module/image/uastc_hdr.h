@@ -54,7 +54,7 @@ void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
 /// Equal texels: exactly these halves ("void extent").
 void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept;
 
-/// Rows of a picture of blocks, of all of the format's 24 kinds and not only of those that are written here. `blocks`:
+/// Rows of an image of blocks, of all of the format's 24 kinds and not only of those that are written here. `blocks`:
 /// the row of blocks that holds `first_row`, those below it follow. rgb: [rows][width][3]. A block that the format does
 /// not have gives NaN.
 void decode_uastc_hdr_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) noexcept;

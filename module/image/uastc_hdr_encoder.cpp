@@ -1,4 +1,4 @@
-// UASTC HDR of pictures, the faces of cubemaps among them.
+// UASTC HDR of images, the faces of cubemaps among them.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "image/uastc_hdr.h"
 
@@ -150,8 +150,8 @@ void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to,
 /// excess and the squared error.
 class Balancer {
  public:
-  Balancer(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level)
-      : pictures_(pictures), format_(format), level_(level), total_(total_light(level.lights)) {
+  Balancer(const std::vector<LatLongView>& images, const BlockFormat& format, EncodedLevels::Level& level)
+      : images_(images), format_(format), level_(level), total_(total_light(level.lights)) {
     for (const auto& [share, block] : brightest_blocks(level.lights, total_)) {
       brightest_.push_back({share, block, tried(block, {1.0, 1.0, 1.0}, 0.0)[0]});
       off_ = sum(off_, brightest_.back().now.light);
@@ -192,7 +192,7 @@ class Balancer {
   /// The block as it is, and 15 times with its channels scaled by `scale`, give or take `spread`; then the same with
   /// one line, whose ends have finer steps.
   [[nodiscard]] Trials tried(std::size_t block, const ChannelSums& scale, double spread) {
-    const BlockTexels texels = block_texels(pictures_, block, format_.least());
+    const BlockTexels texels = block_texels(images_, block, format_.least());
     BlockGroup group;
     fill_group(texels, group);
     for (std::size_t lane = 1; lane < kLanes; ++lane) {
@@ -250,7 +250,7 @@ class Balancer {
       // steps.
       scale[c] = whole > 0.0 ? std::clamp(1.0 - off_[c] / whole, 0.7, 1.4) : 1.0;
     }
-    const double values = 3.0 * static_cast<double>(texels_of(pictures_));
+    const double values = 3.0 * static_cast<double>(texels_of(images_));
     const auto cost = [&](const Trial& trial) {
       return excess(sum(rest, trial.light)) + trial.squares / (kWorth * values);
     };
@@ -270,7 +270,7 @@ class Balancer {
     std::copy_n(bright.now.block.data(), kBlockBytes, level_.blocks.data() + kBlockBytes * bright.block);
   }
 
-  const std::vector<LatLongView>& pictures_;
+  const std::vector<LatLongView>& images_;
   const BlockFormat& format_;
   EncodedLevels::Level& level_;
   ChannelSums total_;
@@ -281,8 +281,8 @@ class Balancer {
 
 }  // namespace
 
-EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
-                                        const Control& control) {
+EncodedLevels encode_uastc_hdr_images(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
+                                      const Control& control) {
   const BlockFormat format{effort, false,
                            [](BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
                              encode_single_lines(group, own.effort, to, nullptr);
@@ -291,9 +291,9 @@ EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>
                              std::fill_n(to.errors, kLanes, kNoBlock);
                              improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
                            },
-                           [](const std::vector<LatLongView>& pictures, const BlockFormat& own,
-                              EncodedLevels::Level& level) { Balancer(pictures, own, level).run(); }};
-  return encode_pictures(levels, format, control);
+                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
+                              EncodedLevels::Level& level) { Balancer(images, own, level).run(); }};
+  return encode_images(levels, format, control);
 }
 
 }  // namespace welkin::image

@@ -103,7 +103,7 @@ double accumulate(std::span<const Value> values, std::span<float> cdf) noexcept 
     before += static_cast<double>(values[k]);
     cdf[k + 1] = share(before);
   }
-  // What rounding leaves goes to the last one that is above 0, and not to those behind it.
+  // The rounding remainder goes to the last value above 0, not to the zeros after it.
   while (k > 0 && !(values[k - 1] > Value{0})) --k;
   std::fill(cdf.begin() + static_cast<std::ptrdiff_t>(k), cdf.end(), 1.0F);
   return total;
@@ -144,7 +144,7 @@ class Builder {
   }
 
  private:
-  /// Of a thread.
+  /// Scratch memory of one thread.
   struct Scratch : RowWeights::Scratch {
     Scratch(const LatLongView& source, Size size)
         : RowWeights::Scratch(source), sums(static_cast<std::size_t>(size.width)) {}
@@ -222,8 +222,8 @@ class Builder {
   void compensate(int row, double mean) {
     const double even = mean * importance::texel_solid_angle(size_.width, size_.height, row);
     for (float& value : function_of(row)) {
-      // What is even to rounding has nothing above its mean.
       // max(0, f - mean) over the sphere, integrated over the texel: f's integral less mean times solid angle.
+      // The factor 1 + 1e-6 makes images that are uniform to within rounding exactly 0.
       value = static_cast<float>(std::max(0.0, static_cast<double>(value) - even * (1.0 + 1e-6)));
     }
     finish_row(row);
@@ -270,8 +270,8 @@ std::span<const float> cdf_of(const ImportanceTable& table, std::size_t row) noe
   return std::span(table.column_cdf).subspan(row * length, length);
 }
 
-/// By the function, and not by the steps of the cumulative distributions: where those of dim texels beside a bright one
-/// are rounded, some are picked more often than the function says and others never, as often together.
+/// Uses the function, not the steps of the cumulative distributions: rounding moves the steps of dim texels next to a
+/// bright one, so that some are picked more often than the function says and others never, with the right total.
 double density_of(const ImportanceTable& table, std::size_t row, std::size_t column) noexcept {
   // Per steradian: the texel's probability over its solid angle, as directions are even within it.
   const double probability =
@@ -334,7 +334,7 @@ double ImportanceTable::density(const dvec3& direction) const {
   };
   const std::size_t column = cell((0.5 - math::turns_of(unit.x, unit.z)) * width, width);
   const double ring = std::sqrt(unit.x * unit.x + unit.z * unit.z);
-  // The angle of (y, ring) is the polar angle, from 0 to half a turn.
+  // The angle of (y, ring) is the polar angle, from 0 to 180 degrees.
   const std::size_t row = cell(2.0 * math::turns_of(ring, unit.y) * height, height);
   return density_of(*this, row, column);
 }

@@ -11,7 +11,7 @@
 
 namespace welkin::importance {
 
-/// The weights of a picture's rows.
+/// The weights of an image's rows.
 class RowWeights {
  public:
   RowWeights(const LatLongView& source, ImportanceWeight weight, const PixelPolicy& pixels);
@@ -82,7 +82,7 @@ void throw_if_rejected(const Scratches& scratches) {
 /// -cos of the polar angle at the upper edge of row `row` of `rows`: rises from -1 to 1.
 [[nodiscard]] double height_of_edge(int row, int rows) noexcept;
 
-/// Of a texel of that row, by the same edges.
+/// Returns the solid angle of a texel of that row, by the same edges.
 [[nodiscard]] double texel_solid_angle(int width, int height, int row) noexcept;
 
 /// Throws `Error` (invalid_argument) unless the table has its arrays' lengths right.

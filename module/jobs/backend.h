@@ -8,7 +8,7 @@
 
 namespace welkin::jobs::backend {
 
-/// What is called while its giver waits: a reference, so that giving it copies and allocates nothing.
+/// A function that is called while its owner waits: a reference, so passing it copies and allocates nothing.
 template <class... Arguments>
 class Call {
  public:

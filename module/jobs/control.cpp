@@ -41,7 +41,7 @@ bool Progress::is_behind() noexcept { return reported_.load(std::memory_order_re
 void Progress::add(std::uint64_t units) {
   done_.fetch_add(units, kAdding);
   if (!wanted()) return;
-  // Whoever holds the lock reports for the others too, and looks once more after letting go of it.
+  // The thread that holds the lock reports for the others too, and checks once more after releasing it.
   while (is_behind()) {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return;

@@ -1,4 +1,4 @@
-// What a call does with the `Control` that it was given: it looks whether it is cancelled, and it reports progress.
+// How a call uses its `Control`: it checks for cancellation and reports progress.
 #pragma once
 
 #include <atomic>
@@ -19,14 +19,14 @@ inline void throw_if_cancelled(const Control& control) { throw_if_cancelled(cont
 /// The part [from, to] of a call's progress, its stop token and its memory. `control` must outlive what is returned.
 [[nodiscard]] Control part_of(const Control& control, double from, double to);
 
-/// Adds up the units of work that several threads have done, and tells the caller which share of the whole that is:
-/// one call at a time, never falling, the last call being 1.
+/// Adds up the units of work that several threads have done and reports their fraction of the total to the caller:
+/// one call at a time, never decreasing, 1 in the last call.
 ///
-/// The counts are relaxed on x86. oneTBB orders every task before the join, and the lock orders the callbacks (whoever
-/// fails to get it has counted before: no later instruction overtakes that addition there). An order between tasks,
-/// made here, would hide from the thread sanitizer the races of tasks that do not overlap in time. ARM needs that
-/// order: an addition and the look after the lock has its place among the count's changes, so that either the look sees
-/// what was added or who added sees the lock free.
+/// The counts are relaxed on x86. oneTBB orders every task before the join, and the lock orders the callbacks (a thread
+/// that fails to get it has counted before: no later instruction overtakes that addition there). An order between
+/// tasks, made here, would hide races from the thread sanitizer if the tasks do not overlap in time. ARM needs that
+/// order: the addition and the check after unlocking are both ordered among the count's changes, so either the check
+/// sees the addition or the adding thread sees the lock free.
 class Progress {
  public:
   /// `control` must outlive this. `whole` is the number of units that will be added in all.

@@ -72,7 +72,7 @@ class Helpers {
     } catch (const std::system_error&) {  // no thread
     } catch (const std::bad_alloc&) {     // no memory for one
     }
-    // What each takes to enter the arena it takes while the reserve is held.
+    // Each helper allocates what it needs to enter the arena while the reserve is held.
     for (const std::unique_ptr<Helper>& helper : helpers_) platform::wait_while(helper->settled, false);
   }
   ~Helpers() {

@@ -1,8 +1,8 @@
 // Loops on the standard library's threads, for builds without oneTBB. In WebAssembly these threads are workers of a
 // page.
 //
-// `run_with_threads` makes the threads that are missing, and they stay for later loops. One loop has them at a time; a
-// loop within a loop, or beside one, is its caller's alone. A graph's passes follow one another (tasks_in_order.cpp).
+// `run_with_threads` creates the missing threads, which stay for later loops. One loop uses them at a time; a nested or
+// concurrent loop runs on its calling thread alone. A graph's passes run one after another (tasks_in_order.cpp).
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>

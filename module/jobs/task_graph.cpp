@@ -66,7 +66,7 @@ std::size_t TaskGraph::add(double cost, Work work, const std::vector<std::size_t
   return pass;
 }
 
-/// What lives while passes run.
+/// State that exists while passes run.
 class TaskGraph::Run {
  public:
   Run(std::vector<Pass>& passes, const Control& control)

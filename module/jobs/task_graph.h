@@ -20,17 +20,16 @@ class TaskGraph {
   /// passes and weighs progress. Returns the pass's number: 0, 1, 2, ...
   std::size_t add(double cost, Work work, const std::vector<std::size_t>& after = {});
 
-  /// Runs all in the caller's arena. Of passes that could begin, the one with the costliest way to the end goes on in
-  /// the thread that found it, the calling thread to begin with; the others are tasks for whoever has time, costliest
+  /// Runs all in the caller's arena. Of passes that can begin, the one with the costliest way to the end continues in
+  /// the thread that found it, at first the calling thread; the others become tasks for any free thread, costliest
   /// first. So the thread that waits at the end has had the longest work, and threads that run out of passes join the
-  /// tiles of those that are left.
+  /// tiles of the remaining ones.
   ///
   /// Passes run with the default floating-point environment. Progress is one number over all passes. The first
-  /// exception stops all passes at their next tile and comes out here when none runs any more; of several, the one of
-  /// the pass with the lowest number that was not just told to stop. If the caller's own TBB group is cancelled,
-  /// nothing is dropped. A thread that waits in here runs none but these passes; beside a `OneThread` it runs them all,
-  /// in order. Throws `Error` (cancelled) and what
-  /// passes and `control.progress` throw.
+  /// exception stops all passes at their next tile and comes out here when none runs any more; of several, that of
+  /// the pass with the lowest number that was not merely stopped. Nothing is dropped if the caller's own TBB group is
+  /// cancelled. A thread that waits in here runs only these passes; next to a `OneThread` it runs all of them, in
+  /// order. Throws `Error` (cancelled) and what passes and `control.progress` throw.
   void run(const Control& control);
 
   /// Wall time of a pass that has run.

@@ -71,7 +71,7 @@ OneThread::~OneThread() { --alone_on_this_thread; }
 bool OneThread::here() noexcept { return alone_on_this_thread > 0; }
 
 void require_thread_count(int threads) {
-  constexpr int kMaxThreads = 1024;  // an arena makes room for each
+  constexpr int kMaxThreads = 1024;  // an arena reserves memory for each
   if (threads >= 0 && threads <= kMaxThreads) return;
   throw Error(ErrorCode::invalid_argument,
               "threads is " + std::to_string(threads) + "; it must be from 0 to " + std::to_string(kMaxThreads));

@@ -1,8 +1,8 @@
-// Work cut by its shape, run by whoever has time.
+// Work in tiles, run by any free thread.
 //
-// A job is `count` tiles. How many there are and what each covers follows from the problem's shape alone,
-// never from the number of threads; each tile writes to a place of its own; whoever reduces those places
-// does it in one fixed order. That is all that determinism takes, and the scheduler is free.
+// A job is `count` tiles. Their number and extent follow from the problem's shape alone, never from the number of
+// threads. Each tile writes to its own slot, and slots are reduced in one fixed order. This makes results
+// deterministic under any schedule.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@ enum class Placement {
 /// How many workers may be inside a job at once: the length of an array of scratch space, one entry each.
 [[nodiscard]] std::size_t worker_count(Placement placement);
 
-/// Calls `tile(index, worker)` once for every index in [0, count); `worker` is below `workers`, which is what
-/// `worker_count` said when the scratch space was made, and belongs to nobody else while the tile runs.
+/// Calls `tile(index, worker)` once for every index in [0, count); `worker` is below `workers`, the value that
+/// `worker_count` returned when the scratch memory was made, and no other running tile has the same `worker`.
 ///
 /// Tiles run, and progress is reported, with the default floating-point environment (round to nearest, denormals kept)
 /// whatever the thread has set, and leave that as it was. Before each tile the stop token is checked; after each one

@@ -15,12 +15,12 @@
 // Down a column, from (l - m) P_l^m = (2l - 1) z P_(l-1)^m - (l + m - 1) P_(l-2)^m and the ratios of N:
 //   q(l, m) = a(l, m) z q(l - 1, m) - b(l, m) q(l - 2, m),   q(m - 1, m) = 0,
 //   a^2 = (4 l^2 - 1) / (l^2 - m^2),   b^2 = (2l + 1) ((l - 1)^2 - m^2) / ((2l - 3) (l^2 - m^2)).
-// Going up in l at fixed m is the stable way for this recurrence, and the normalised values stay of the
+// Going up in l at fixed m is the stable way for this recurrence, and the normalized values stay of the
 // size of sqrt((2l + 1) / 4 pi): no factorial appears that could overflow.
 //
 // Sources: P.-P. Sloan, "Efficient Spherical Harmonic Evaluation", JCGT 2(2), 2013 (the Cartesian split);
 // S. A. Holmes and W. E. Featherstone, "A unified approach to the Clenshaw summation ...", Journal of
-// Geodesy 76, 2002, equations 11 to 13 (the normalised recurrence).
+// Geodesy 76, 2002, equations 11 to 13 (the normalized recurrence).
 #pragma once
 
 #include <cstddef>

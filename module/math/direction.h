@@ -13,13 +13,13 @@ namespace welkin::math {
 /// `what`, for a direction that is zero or not finite.
 [[nodiscard]] dvec3 rescaled_direction(const dvec3& direction, const char* what);
 
-/// Returns the same direction at a length whose square neither overflows nor vanishes. Throws as `rescaled_direction`.
+/// Returns the same direction at a length whose square neither overflows nor vanishes. Throws the same errors.
 [[nodiscard]] inline dvec3 moderate_direction(const dvec3& direction, const char* what) {
   const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
   return square > 1e-200 && square < 1e200 ? direction : rescaled_direction(direction, what);
 }
 
-/// Returns the direction at length 1. Throws as `moderate_direction`.
+/// Returns the direction at length 1. Throws the same errors.
 [[nodiscard]] dvec3 unit_direction(const dvec3& direction, const char* what);
 
 /// Returns many directions at length 1. Messages name the index of a refused one.

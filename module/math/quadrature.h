@@ -15,7 +15,7 @@ struct GaussRule {
 inline constexpr int kMaximumGaussOrder = 32;
 
 /// The rule with `order` points, 1 to kMaximumGaussOrder: exact for polynomials of degree 2 order - 1, nodes
-/// ascending and symmetric, to 2e-16. Computed when first asked for; the pointers stay valid.
+/// ascending and symmetric, to 2e-16. Computed at the first call; the pointers stay valid.
 [[nodiscard]] GaussRule gauss_legendre(int order);
 
 /// Texels of cubemap faces of at most this size are integrated by a Gauss rule. Above it the expansion in the texel's
@@ -33,7 +33,7 @@ struct GaussNodes {
   std::vector<double> weights;
 };
 
-/// The same for any order >= 1, made anew: some order^2 operations.
+/// Computes the rule for any order >= 1 in about order^2 operations.
 [[nodiscard]] GaussNodes gauss_nodes(int order);
 
 // The solid angle of a part of a cubemap face.

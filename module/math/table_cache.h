@@ -14,9 +14,9 @@ namespace welkin::math {
 
 /// Keeps the tables that were used last, within a bound on their bytes; thread-safe.
 ///
-/// Key: compared with ==. Table: has `std::size_t bytes() const`. Whoever holds a table keeps it alive, so
-/// that dropping it from the cache never hurts. Two threads that ask for the same missing table build it
-/// once: the second waits for the first. Tables are few, so a list in order of use is searched.
+/// Key: compared with ==. Table: has `std::size_t bytes() const`. Users hold shared ownership, so a table may leave the
+/// cache at any time. If two threads need the same missing table, the second waits for the first to build it. There are
+/// few tables, so a list in order of use is searched.
 ///
 /// The library's own caches are never destroyed (`static auto& cache = *new TableCache<...>(bytes);`): a worker that is
 /// a global object has its threads still compute while the program exits, when the function-local statics that came
@@ -27,8 +27,8 @@ class TableCache {
   explicit TableCache(std::size_t bound_bytes) : bound_bytes_(bound_bytes) {}
 
   /// The table for `key`, from `build()` (which returns a std::shared_ptr<const Table>) if it is not here.
-  /// What `build` throws comes out here, and the next one to ask tries again. A table outlives the call that it was
-  /// built for, so `build` runs with the default floating-point environment whoever calls.
+  /// Throws what `build` throws; the next call then tries again. A table outlives the call that it was built for, so
+  /// `build` runs with the default floating-point environment, whatever the caller's is.
   template <class Build>
   std::shared_ptr<const Table> get(const Key& key, const Build& build) {
     const std::shared_ptr<Entry> entry = find_or_add(key);

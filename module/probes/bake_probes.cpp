@@ -93,7 +93,7 @@ class Capture {
     }
   }
 
-  /// The function that is 1 where nothing is, projected as a grey picture.
+  /// The function that is 1 where nothing is, projected as a grey image.
   void project_sky(const Control& control) {
     const int size = depths_[0].size;
     const std::size_t face = probes::squared(size);

@@ -1,4 +1,4 @@
-// The integral of a picture over a kernel that looks the same all about its axis: direction by direction, over all
+// The integral of an image over a kernel that looks the same all about its axis: direction by direction, over all
 // texels as areas, in double.
 #pragma once
 
@@ -86,7 +86,7 @@ struct TexelRectangle {
   int columns = 1;
 };
 
-/// Where the texels of a picture are. Rows of a cubemap are counted face after face.
+/// Where the texels of an image are. Rows of a cubemap are counted face after face.
 class TexelIntegrals {
  public:
   virtual ~TexelIntegrals() = default;

@@ -282,7 +282,7 @@ struct LatLongProjector::State {
     return options.target_size && (4 * *options.target_size < width || 2 * *options.target_size < height);
   }
 
-  /// Returns whether it differs from the exact rule at the picture's own size, which is then summed as well.
+  /// Returns whether it differs from the exact rule at the image's own size, which is then summed as well.
   [[nodiscard]] bool errs() const noexcept { return reduced || midpoint; }
 
   void project_block(int block, const LatLongView& rows, Scratch& scratch) noexcept;

@@ -1,4 +1,4 @@
-// What the texels of a lat-long picture weigh: a factor for the column times a factor for the row.
+// What the texels of a lat-long image weigh: a factor for the column times a factor for the row.
 //
 // Frame: u = +z, v = +x, normal = +y (up), so that a texel's local direction is
 // (cos(lon) cos(lat), sin(lon) cos(lat), sin(lat)) and the harmonics of that frame split into
@@ -24,7 +24,7 @@ struct LatLongWeightsKey {
   int height;
   int bands;
   bool midpoint;
-  int target_size;  ///< of a cubemap face; the picture is averaged to 4 x by 2 x this. 0: not reduced
+  int target_size;  ///< of a cubemap face; the image is averaged to 4 x by 2 x this. 0: not reduced
 
   bool operator==(const LatLongWeightsKey&) const = default;
 };
@@ -66,9 +66,9 @@ class LatLongWeights {
   std::vector<double> rows_;
 };
 
-// Projects a lat-long picture whose rows arrive in blocks, in any order and from any thread.
+// Projects a lat-long image whose rows arrive in blocks, in any order and from any thread.
 
-/// One projection of one picture. Make it, hand every block in once, then finish.
+/// One projection of one image. Make it, hand every block in once, then finish.
 class LatLongProjector {
  public:
   /// Checks size and options, fetches or builds the tables, and makes room for every block's sums and for
@@ -78,7 +78,7 @@ class LatLongProjector {
   LatLongProjector(const LatLongProjector&) = delete;
   LatLongProjector& operator=(const LatLongProjector&) = delete;
 
-  /// Blocks follow from the picture's shape alone: block b holds rows [b rows_per_block, ...), the last
+  /// Blocks follow from the image's shape alone: block b holds rows [b rows_per_block, ...), the last
   /// one perhaps fewer. A block has some 32 768 texels.
   [[nodiscard]] int rows_per_block() const noexcept;
   [[nodiscard]] int block_count() const noexcept;

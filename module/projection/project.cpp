@@ -1,4 +1,4 @@
-// The public calls, of pictures and of faces alone: arguments checked, the size chosen, the passes recorded.
+// The public calls, of images and of faces alone: arguments checked, the size chosen, the passes recorded.
 #include <algorithm>
 #include <array>
 #include <cmath>

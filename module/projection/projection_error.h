@@ -1,4 +1,4 @@
-// How far the coefficients of a projection are from those of the picture.
+// How far the coefficients of a projection are from those of the image.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -16,7 +16,7 @@ namespace welkin::projection {
 /// cell blurs twice, when it is averaged and when it is read as an area). Light from a point lands up to half a cell
 /// away, which moves band l by up to 0.35 l d of what a point puts there. The point's share of the light follows from
 /// band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of
-/// size^-2, unless the picture is nearly uniform. The guess misses a pattern that the mip averages away.
+/// size^-2, unless the image is nearly uniform. The guess misses a pattern that the mip averages away.
 [[nodiscard]] double mip_error(std::span<const glm::dvec3> radiance, double size);
 
 }  // namespace welkin::projection

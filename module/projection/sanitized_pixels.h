@@ -1,4 +1,4 @@
-// A picture's pixels as the prefilter reads them: RGB floats, every one finite.
+// An image's pixels as the prefilter reads them: RGB floats, every one finite.
 #pragma once
 
 #include <cstddef>

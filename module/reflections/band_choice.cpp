@@ -13,7 +13,7 @@ namespace {
 constexpr double kStep = 1.0 / 3.0;  ///< of a bound, from one tightening to the next
 constexpr double kTaper = 0.2;
 
-// Envelopes of errors over the pictures in docs/maths/reflections.md, by `reach`: the largest error at a texel is below
+// Envelopes of errors over the images in docs/maths/reflections.md, by `reach`: the largest error at a texel is below
 // kOfMaximum e^-reach, most root mean square errors with their safety are below kOfRms e^-reach.
 constexpr double kOfMaximum = 17.3;
 constexpr double kOfRms = 0.88;
@@ -24,7 +24,7 @@ constexpr double kKinkBands = 56.0;  ///< at a largest error of 1e-2
 constexpr double kKinkPower = 1.0 / 2.7;
 constexpr double kMinKinkBands = 20.0;  // fewer hide checkers of few texels from the estimate
 constexpr double kMaxKinkBands = 512.0;
-constexpr double kOfDark = 1.8;  ///< times that, where a picture has dark parts
+constexpr double kOfDark = 1.8;  ///< times that, where an image has dark parts
 
 // The loss of rings of height h falls like h^4 (`RingShares`): a bound that is looser by a factor takes fewer by its
 // fourth root. A step that fails for a few rings takes a second transform: rings of

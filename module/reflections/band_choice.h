@@ -23,7 +23,7 @@ inline constexpr double kOfLobeBound = 0.3;
 inline constexpr int kBandStep = 8;       ///< bands are a multiple of it
 inline constexpr int kMinLobeBands = 64;  ///< of lobes other than GGX
 
-/// How often the bounds are tightened where a picture's own energies exceed what most pictures have.
+/// How often the bounds are tightened where an image's own energies exceed what most images have.
 inline constexpr int kMaxTightenings = 2;
 
 /// Returns 2 alpha bands, which decides the error of a lobe of any alpha, because its spectrum falls like exp(-2 alpha
@@ -35,7 +35,7 @@ inline constexpr int kMaxTightenings = 2;
 /// alpha in (0, 1].
 [[nodiscard]] int bands_within(double alpha, const ErrorBounds& bounds) noexcept;
 
-/// Returns the bands to begin with: by the kink no more than at the default bounds, which do for most pictures.
+/// Returns the bands to begin with: by the kink no more than at the default bounds, which do for most images.
 [[nodiscard]] int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept;
 
 /// Returns the fewest rings of latitude that a cubemap is read on where `alpha` is that of the narrowest lobe.
@@ -55,10 +55,10 @@ struct BandChoice {
 /// Returns the factors of so many bands.
 [[nodiscard]] BandChoice tapered_lobe(double alpha, int bands);
 
-/// Returns the bands that wide lobes take for a picture with dark parts.
+/// Returns the bands that wide lobes take for an image with dark parts.
 [[nodiscard]] int bands_for_dark(const ErrorBounds& bounds) noexcept;
 
-/// Returns those of them to begin with, which most pictures with dark parts do with.
+/// Returns those of them to begin with, which most images with dark parts do with.
 [[nodiscard]] int first_bands_for_dark(const ErrorBounds& bounds) noexcept;
 
 /// Returns 1 up to the last fifth of the bands, then half a cosine down to 0. Without it every light would ring over

@@ -291,7 +291,7 @@ struct BrightLights::Scratch {
   std::vector<LobeRun> parts;  ///< of cut lights
 };
 
-std::size_t BrightLights::most_bytes(std::size_t texels, const PictureShape& shape, const LightLobes& lobes,
+std::size_t BrightLights::most_bytes(std::size_t texels, const ImageShape& shape, const LightLobes& lobes,
                                      std::size_t workers) noexcept {
   const std::size_t leaves = most_leaves(texels, shape, lobes);
   return tree_bytes(texels, leaves, shape, lobes) + workers * Scratch::bytes(leaves);

@@ -20,7 +20,7 @@
 namespace welkin::reflections {
 
 /// Pixels on the sphere.
-struct PictureShape {
+struct ImageShape {
   bool cubemap = false;
   int columns = 1;  ///< of a cubemap: texels along an edge
   int rows = 1;     ///< of a lat-long
@@ -28,7 +28,7 @@ struct PictureShape {
   [[nodiscard]] image::TexelGrid grid() const noexcept {
     return cubemap ? image::TexelGrid::cubemap(columns) : image::TexelGrid::lat_long(columns, rows);
   }
-  [[nodiscard]] static PictureShape of(const projection::SanitizedSource& source) noexcept {
+  [[nodiscard]] static ImageShape of(const projection::SanitizedSource& source) noexcept {
     return {source.cubemap(), source.columns(), source.cubemap() ? source.columns() : source.rows()};
   }
 };
@@ -61,7 +61,7 @@ struct LightLobes {
 };
 
 /// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
-/// its distance and the lobe's width: points of a Gauss rule on the part of the picture that it covers, which take over
+/// its distance and the lobe's width: points of a Gauss rule on the part of the image that it covers, which take over
 /// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
 /// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
 /// the horizon cuts it; large texels, of which a parallelogram is no part, are integrated there.
@@ -69,14 +69,13 @@ class BrightLights {
  public:
   BrightLights() = default;
   /// `reach`: see `reach_for`.
-  BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
-               double reach);
+  BrightLights(const std::vector<BrightTexel>& texels, const ImageShape& shape, const LightLobes& lobes, double reach);
 
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
   /// What they take at most, made of up to so many texels by those arguments: the tree while it is made, and what each
   /// of `workers` needs.
-  [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const PictureShape& shape, const LightLobes& lobes,
+  [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const ImageShape& shape, const LightLobes& lobes,
                                               std::size_t workers) noexcept;
 
   /// Adds to each texel of six packed RGB faces of `size` x `size` what the lights give in the direction of its centre.
@@ -116,9 +115,9 @@ class BrightLights {
 
   /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
   /// made.
-  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const PictureShape& shape,
+  [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const ImageShape& shape,
                                                const LightLobes& lobes) noexcept;
-  [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
+  [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const ImageShape& shape,
                                               const LightLobes& lobes) noexcept;
 
   void make_scratch();

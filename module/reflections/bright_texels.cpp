@@ -53,13 +53,13 @@ struct Cell {
   double darkest = std::numeric_limits<double>::max();
 };
 
-/// A picture as the search sees it: the light of a texel is the largest of its channels. Bands are runs of rows about
+/// An image as the search sees it: the light of a texel is the largest of its channels. Bands are runs of rows about
 /// as high as the lobe is wide, each cut in cells about as wide.
 class Search {
  public:
   Search(const projection::SanitizedSource& source, double alpha)
       : source_(source),
-        grid_(PictureShape::of(source).grid()),
+        grid_(ImageShape::of(source).grid()),
         face_rows_(source.cubemap() ? source.columns() : source.rows()) {
     if (source.cubemap()) {
       of_face_ = image::FaceSolidAngles::get(source.columns());

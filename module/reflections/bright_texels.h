@@ -14,7 +14,7 @@ namespace welkin::reflections {
 struct BrightTexel {
   int row = 0;  ///< of a cubemap counted face after face
   int column = 0;
-  std::array<float, 3> rest{};    ///< what is left in the picture
+  std::array<float, 3> rest{};    ///< what is left in the image
   std::array<float, 3> excess{};  ///< radiance that is taken out
   double steradians = 0.0;
 

@@ -165,7 +165,7 @@ void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const C
 Rings rings_of_cubemap(const std::vector<const float*>& faces, int rows, const Control& control) {
   const std::size_t floats = std::size_t{6} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(rows);
   Rings rings{{}, platform::AlignedBuffer<float>(floats)};
-  rings.view = transforms::PictureRows(LatLongView{rings.owned.data(), 2 * rows, rows});
+  rings.view = transforms::ImageRows(LatLongView{rings.owned.data(), 2 * rows, rows});
   const auto table = RingTable::get({static_cast<int>(faces.size() / 6), rows}, {control.stop});
   table->fill(faces, rings.owned.data(), control);
   return rings;
@@ -194,7 +194,7 @@ SourceRows rows_without(const std::vector<BrightTexel>& bright, const projection
 
 Rings rings_of_lat_long(const projection::SanitizedSource& source, const std::vector<BrightTexel>& bright) {
   SourceRows rest = rows_without(bright, source);
-  Rings rings{transforms::PictureRows(source.lat_long()), std::move(rest.owned)};
+  Rings rings{transforms::ImageRows(source.lat_long()), std::move(rest.owned)};
   rings.view.rows = std::move(rest.rows);
   return rings;
 }

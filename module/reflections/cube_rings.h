@@ -12,7 +12,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/halved_faces.h"
 #include "reflections/ring_weights.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -72,7 +72,7 @@ class RingTable {
 
 /// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
 struct Rings {
-  transforms::PictureRows view;
+  transforms::ImageRows view;
   platform::AlignedBuffer<float> owned{};  ///< holds the rows where the caller's own would not do
 
   [[nodiscard]] std::size_t bytes() const noexcept { return owned.bytes(); }

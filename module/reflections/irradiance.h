@@ -1,4 +1,4 @@
-// Irradiance as a cubemap: a picture blurred by the Lambert lobe, which is a mip of roughness 1 times pi.
+// Irradiance as a cubemap: an image blurred by the Lambert lobe, which is a mip of roughness 1 times pi.
 #pragma once
 
 #include "projection/sanitized_pixels.h"

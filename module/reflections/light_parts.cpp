@@ -9,7 +9,7 @@
 
 namespace welkin::reflections {
 
-std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape, int cuts) {
+std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const ImageShape& shape, int cuts) {
   std::vector<BrightTexel> parts;
   std::vector<std::int64_t> indices;
   const std::int64_t columns = std::int64_t{cuts} * shape.columns;
@@ -24,7 +24,7 @@ std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, cons
       }
     }
   }
-  const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
+  const ImageShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const std::vector<double> steradians = image::solid_angles_of(cut.grid(), indices);
   for (std::size_t k = 0; k < parts.size(); ++k) parts[k].steradians = steradians[k];
   return parts;
@@ -42,7 +42,7 @@ void share_light(const BrightTexel& texel, std::size_t first, Samples& samples) 
 }
 
 Sample sample_at(Directions& directions, const BrightTexel& texel, double across, double down, double weight) {
-  const PictureShape& shape = directions.shape();
+  const ImageShape& shape = directions.shape();
   Sample sample{shape.cubemap ? texel.row / shape.columns : 0,
                 texel.column + across,
                 (shape.cubemap ? texel.row % shape.columns : texel.row) + down,
@@ -72,7 +72,7 @@ namespace {
 /// / rows) cos / sin, and the mean of y with it is y^2's mean, high^2 / 12, times that.
 double below_middle(Directions& directions, double row, double high) {
   constexpr double kRows = 8.0;  // farther than that many parts from a pole it is a hundredth of the part
-  const PictureShape& shape = directions.shape();
+  const ImageShape& shape = directions.shape();
   if (shape.cubemap || std::min(row, shape.rows - row) > kRows * high) return 0.0;
   const math::SineCosine middle = directions.of_turns(row / (2.0 * shape.rows));
   return high * high * kPi / (12.0 * shape.rows) * middle.cosine / middle.sine;

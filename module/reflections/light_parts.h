@@ -15,12 +15,12 @@
 
 namespace welkin::reflections {
 
-/// Places of a picture. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
+/// Places of an image. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
 class Directions {
  public:
-  explicit Directions(const PictureShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
+  explicit Directions(const ImageShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
 
-  [[nodiscard]] const PictureShape& shape() const noexcept { return shape_; }
+  [[nodiscard]] const ImageShape& shape() const noexcept { return shape_; }
   [[nodiscard]] glm::dvec3 at(int face, double column, double row) {
     if (shape_.cubemap) return image::face_direction(shape_.columns, face, column, row);
     const math::SineCosine latitude = of_turns(0.25 - row / (2.0 * shape_.rows));
@@ -50,11 +50,11 @@ class Directions {
     math::SineCosine of{};
   };
 
-  PictureShape shape_;
+  ImageShape shape_;
   std::vector<Kept> kept_;
 };
 
-/// Light at a place of the picture.
+/// Light at a place of the image.
 struct Sample {
   int face = 0;
   double column = 0.0;
@@ -63,8 +63,8 @@ struct Sample {
 };
 using Samples = std::vector<Sample, platform::WorkingAllocator<Sample>>;
 
-/// Returns the same light on a picture with `cuts` times as many rows and columns.
-[[nodiscard]] std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const PictureShape& shape,
+/// Returns the same light on an image with `cuts` times as many rows and columns.
+[[nodiscard]] std::vector<BrightTexel> cut_texels(const std::vector<BrightTexel>& texels, const ImageShape& shape,
                                                   int cuts);
 
 /// Adds Gauss points on a texel, `count` x `count` of them.

@@ -29,24 +29,24 @@ constexpr int kMinCutTexels = 4;         ///< of such a node
 constexpr double kMaxParts = 4096.0;     ///< that a few texels are cut into, all together
 constexpr double kOnePart = 0.01;        ///< radians: smaller texels need not be cut for the horizon
 
-double edge_of(const PictureShape& shape) {
+double edge_of(const ImageShape& shape) {
   return shape.cubemap ? 0.5 * kPi / shape.columns : kPi * std::max(1.0 / shape.rows, 2.0 / shape.columns);
 }
 
 /// Returns the same of the widest, a cubemap's about the middle of a face, for GGX lobes. The constants of other lobes
 /// are fitted to `edge_of`.
-double widest_edge_of(const PictureShape& shape, LightsOf of) {
+double widest_edge_of(const ImageShape& shape, LightsOf of) {
   return shape.cubemap && of == LightsOf::ggx ? 2.0 / shape.columns : edge_of(shape);
 }
 
 /// Returns whether texels are too large to be parallelograms where the horizon cuts them in a GGX lobe.
-bool is_coarse(const PictureShape& shape, LightsOf of) {
+bool is_coarse(const ImageShape& shape, LightsOf of) {
   constexpr double kMaxCut = 0.11;  // radians
   return of == LightsOf::ggx && edge_of(shape) > kMaxCut;
 }
 
 /// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
-int cuts_of(const PictureShape& shape, const LightLobes& lobes, std::size_t texels) {
+int cuts_of(const ImageShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
   const double edge = edge_of(shape);
@@ -100,7 +100,7 @@ class LightTree {
 
   /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
-  LightTree(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes, double reach,
+  LightTree(const std::vector<BrightTexel>& texels, const ImageShape& shape, const LightLobes& lobes, double reach,
             bool exact, double most_cut_radius, BrightLights& lights)
       : shape_(shape),
         directions_(shape),
@@ -441,7 +441,7 @@ class LightTree {
     return all;
   }
 
-  PictureShape shape_;
+  ImageShape shape_;
   mutable Directions directions_;
   BrightLights& lights_;
   math::GaussRule rule_;
@@ -454,12 +454,12 @@ class LightTree {
   LightsOf use_;
 };
 
-BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const PictureShape& shape, const LightLobes& lobes,
+BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const ImageShape& shape, const LightLobes& lobes,
                            double reach)
     : far_(kFar * std::max(kMinFarDistance, std::sqrt(std::sqrt(math::exponential(reach - kDefaultReach))))) {
   if (texels.empty()) return;
   const int cuts = cuts_of(shape, lobes, texels.size());
-  const PictureShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
+  const ImageShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const bool exact = is_coarse(shape, lobes.of);
   if (exact) texels_ = projection::texel_integrals_of(cut.grid());
   // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
@@ -469,7 +469,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const Picture
   make_scratch();
 }
 
-std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& shape, const LightLobes& lobes) noexcept {
+std::size_t BrightLights::most_leaves(std::size_t texels, const ImageShape& shape, const LightLobes& lobes) noexcept {
   const auto cuts = static_cast<std::size_t>(cuts_of(shape, lobes, 1));
   const auto needed = static_cast<std::size_t>(cuts_of(shape, lobes, std::size_t{1} << 30U));
   // n texels become 4096 parts or so, but for what rounding up their number along an edge adds
@@ -477,7 +477,7 @@ std::size_t BrightLights::most_leaves(std::size_t texels, const PictureShape& sh
   return std::min(texels * cuts * cuts, std::max(texels * needed * needed, static_cast<std::size_t>(edge * edge)));
 }
 
-std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const PictureShape& shape,
+std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, const ImageShape& shape,
                                      const LightLobes& lobes) noexcept {
   if (texels == 0) return 0;
   const double edge = edge_of(shape) / cuts_of(shape, lobes, texels);

@@ -52,11 +52,11 @@ PrefilteredSpecular LobeChain::run(const Control& control, float scale, Irradian
   }
   graph.run(control);
   tighten({control.stop, {}});
-  for (std::size_t level = 0; level < plan_.mips.size() && !picture_energies_.empty(); ++level) {
+  for (std::size_t level = 0; level < plan_.mips.size() && !image_energies_.empty(); ++level) {
     const std::optional<MipPair>& mips = plan_.mips[level].to_next;
-    if (mips) record(level).error_between = error_between(*mips, plan_.lookups, picture_energies_);
+    if (mips) record(level).error_between = error_between(*mips, plan_.lookups, image_energies_);
   }
-  if (plan_.energies && !picture_energies_.empty()) *plan_.energies = picture_energies_;
+  if (plan_.energies && !image_energies_.empty()) *plan_.energies = image_energies_;
   result_.pixels.passes = std::move(passes_);
   result_.peak_bytes = memory_.peak();
   if (plan_.irradiance) *irradiance = irradiance_times(kPi / static_cast<double>(scale));
@@ -89,7 +89,7 @@ void LobeChain::find_lights(const Control& control) {
   const Stopwatch watch;
   const std::size_t most = plan_.lights.of == LightsOf::ggx ? kMaxBright : kMaxBrightFar;
   texels_ = find_bright_texels(source_, spectral_.light_alpha, most, control);
-  bright_ = BrightLights(texels_, PictureShape::of(source_), spectral_.lights, spectral_.reach);
+  bright_ = BrightLights(texels_, ImageShape::of(source_), spectral_.lights, spectral_.reach);
   memory_.take(bright_.bytes());
   note("bright texels", std::to_string(texels_.size()) + " extracted", watch.milliseconds());
   if (plan_.uses(MipMethod::near_far)) steps_ = contrast_of(source_);
@@ -115,7 +115,7 @@ void LobeChain::analyse_rings(const Control& control) {
   // Tighter bounds take so many bands that the tail says enough, and sums would refuse noise that is within them.
   const bool few = spectral_.near_mips.empty() && spectral_.bands < bands_for_dark(plan_.bounds);
   const bool looked = spectral_.lights.of == LightsOf::ggx && (few || plan_.bounds.rms > 1e-3);
-  std::optional<PictureSums> sums;
+  std::optional<ImageSums> sums;
   Rings rings;
   if (source_.cubemap()) {
     const SourceRows coarse = halved_faces({faces_.rows}, face, {control.stop, {}});
@@ -152,7 +152,7 @@ void LobeChain::analyse(const Control& control) {
     note("energies", "more than most images have: " + std::to_string(spectral_.bands) + " bands", 0.0);
   }
   if (plan_.lights.of == LightsOf::ggx && !plan_.mips.empty() && spectral_.tightenings == 0)
-    picture_energies_ = whole_energies(energies_, texels_, PictureShape::of(source_), {control.stop, {}});
+    image_energies_ = whole_energies(energies_, texels_, ImageShape::of(source_), {control.stop, {}});
 }
 
 std::vector<LobeChain::SpectralMip> LobeChain::spectral_levels() const {
@@ -279,7 +279,7 @@ bool LobeChain::shows_dark(const ChainTarget& target, const MipPlan& mip, const 
   return kOfTruncated * truncated_afar(mip, energies_) <= target.bounds.maximum * least;
 }
 
-/// Chooses the bands of a GGX lobe that harmonics alone make: a quarter more as long as the picture's energies take
+/// Chooses the bands of a GGX lobe that harmonics alone make: a quarter more as long as the image's energies take
 /// more. Returns whether `most` are enough.
 bool LobeChain::settle_bands(const ChainTarget& target, MipPlan& mip, int most) const {
   for (int bands = first_bands_within(mip.alpha, target.bounds);;
@@ -294,7 +294,7 @@ bool LobeChain::settle_bands(const ChainTarget& target, MipPlan& mip, int most) 
 bool LobeChain::spectral_mip(const ChainTarget& target, MipPlan mip, const Control& control) {
   const Stopwatch watch;
   const bool near = mip.near.face > 0;
-  const bool ggx = mip.alpha > 0.0;  // whose bands the picture decides
+  const bool ggx = mip.alpha > 0.0;  // whose bands the image decides
   const bool first = spectral_.tightenings == 0;
   if (near) mip = with_far_part(std::move(mip));
   const int most = first ? spectrum_.bands() : std::min(spectrum_.bands(), mip.bands.bands());

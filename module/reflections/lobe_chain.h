@@ -19,8 +19,8 @@
 #include "reflections/bright_lights.h"
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
+#include "reflections/image_measures.h"
 #include "reflections/near_sums.h"
-#include "reflections/picture_measures.h"
 #include "reflections/prefilter.h"
 #include "reflections/prefilter_estimate.h"
 #include "reflections/prefilter_plan.h"
@@ -90,7 +90,7 @@ class LobeChain {
   [[nodiscard]] ChainTarget target_of_irradiance() {
     return {irradiance_, 0, irradiance_record_, "irradiance", plan_.irradiance_bounds};
   }
-  [[nodiscard]] PrefilterPlan step_of(int step) const { return plan_.at_step(step, PictureShape::of(source_)); }
+  [[nodiscard]] PrefilterPlan step_of(int step) const { return plan_.at_step(step, ImageShape::of(source_)); }
   [[nodiscard]] bool last_step() const { return spectral_.tightenings == kMaxTightenings; }
 
   [[nodiscard]] SpectralSource spectral_source() const {
@@ -161,13 +161,13 @@ class LobeChain {
   std::vector<SpectralMip> spectral_mips_;  ///< of this step
   std::vector<NearFarMip> near_far_mips_;
   transforms::Spectrum spectrum_;
-  int rows_ = 0;                         ///< rings of which the spectrum is
-  std::vector<double> energies_;         ///< of the harmonics, degree by degree
-  std::vector<float> picture_energies_;  ///< with the bright texels; empty: unknown
-  double contrast_ = 0.0;                ///< see `SpectralSource`
-  double steps_ = 0.0;                   ///< see `SpectralSource`
-  EnergyBeyond beyond_;                  ///< see `SpectralSource`; of GGX lobes' sources
-  SourceRows faces_;                     ///< of a cubemap, without the extracted light, as fine as near sums look at
+  int rows_ = 0;                       ///< rings of which the spectrum is
+  std::vector<double> energies_;       ///< of the harmonics, degree by degree
+  std::vector<float> image_energies_;  ///< with the bright texels; empty: unknown
+  double contrast_ = 0.0;              ///< see `SpectralSource`
+  double steps_ = 0.0;                 ///< see `SpectralSource`
+  EnergyBeyond beyond_;                ///< see `SpectralSource`; of GGX lobes' sources
+  SourceRows faces_;                   ///< of a cubemap, without the extracted light, as fine as near sums look at
   std::mutex mutex_;
   std::vector<PassRecord> passes_;
   MemoryPeak memory_;

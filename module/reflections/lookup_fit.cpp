@@ -13,15 +13,15 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr int kDegrees = 512;    ///< of the picture at most
+constexpr int kDegrees = 512;    ///< of the image at most
 constexpr int kFitSamples = 8;   ///< roughnesses between two mips
 constexpr int kSteps = 10;       ///< of Gauss-Newton; the last ones change a roughness by less than 1e-6
 constexpr double kSlope = 0.01;  ///< of a roughness, by which its spectrum's slope is found
 
 using Spectrum = std::vector<double>;
 
-/// What a typical picture has of each degree: a power law between that of landscapes, l^-3 per harmonic, and that of
-/// pictures with lamps, l^-2.
+/// What a typical image has of each degree: a power law between that of landscapes, l^-3 per harmonic, and that of
+/// images with lamps, l^-2.
 Spectrum typical_energies(int degrees) {
   Spectrum energies{9.0};
   for (int l = 1; l < degrees; ++l)

@@ -21,7 +21,7 @@ namespace welkin::reflections {
 namespace {
 
 constexpr double kMirror = 1e-3;  ///< roughness below which a lobe leaves every degree as it is
-constexpr int kDegrees = 512;     ///< that a picture's energies have
+constexpr int kDegrees = 512;     ///< that an image's energies have
 constexpr int kSamples = 3;       ///< roughnesses that are looked at between two mips
 
 double log2(double x) noexcept { return math::logarithm(x) / std::numbers::ln2; }
@@ -109,7 +109,7 @@ struct PairKey {
   bool operator==(const PairKey&) const = default;
 };
 
-/// Factors on the energy of each degree for one roughness between two mips. They do not depend on the picture.
+/// Factors on the energy of each degree for one roughness between two mips. They do not depend on the image.
 struct SeenBetween {
   explicit SeenBetween(const PairKey& key);
 
@@ -163,7 +163,7 @@ double error_between(const MipPair& mips, const LookupFormula& formula, std::spa
 
 namespace {
 
-glm::dvec3 direction_of(const BrightTexel& light, const PictureShape& shape) {
+glm::dvec3 direction_of(const BrightTexel& light, const ImageShape& shape) {
   return shape.grid().direction(std::int64_t{light.row} * shape.columns + light.column);
 }
 
@@ -176,7 +176,7 @@ void add_pair(double light, double cosine, std::vector<double>& energies) {
 }
 
 /// Returns energies of the lights alone for l < bands. Many are spread over the cells of a lat-long that they lie in.
-std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, const PictureShape& shape, int bands,
+std::vector<double> energies_of_lights(const std::vector<BrightTexel>& lights, const ImageShape& shape, int bands,
                                        const Control& control) {
   constexpr std::size_t kFew = 40;  ///< whose pairs take less time than a transform
   if (lights.size() <= kFew) {
@@ -235,7 +235,7 @@ void continue_energies(std::vector<double>& energies, int degrees, double least_
 }  // namespace
 
 std::vector<float> whole_energies(std::span<const double> rest, const std::vector<BrightTexel>& lights,
-                                  const PictureShape& shape, const Control& control) {
+                                  const ImageShape& shape, const Control& control) {
   std::vector<double> energies(rest.begin(), rest.begin() + std::min<std::ptrdiff_t>(std::ssize(rest), kDegrees));
   continue_energies(energies, kDegrees, -1.0, 3.0);
   if (!lights.empty()) {

@@ -61,12 +61,12 @@ struct TexelFilter {
 };
 
 /// Returns the root mean square error over all roughnesses between two mips, relative to the root mean square of the
-/// truth, of a picture with these energies per degree.
+/// truth, of an image with these energies per degree.
 [[nodiscard]] double error_between(const MipPair& mips, const LookupFormula& formula, std::span<const float> energies);
 
-/// Returns the energies per degree of a picture, over their sum, from those of what is left without its bright texels.
+/// Returns the energies per degree of an image, over their sum, from those of what is left without its bright texels.
 /// Degrees beyond those that are known follow a power law through the last ones.
 [[nodiscard]] std::vector<float> whole_energies(std::span<const double> rest, const std::vector<BrightTexel>& lights,
-                                                const PictureShape& shape, const Control& control);
+                                                const ImageShape& shape, const Control& control);
 
 }  // namespace welkin::reflections

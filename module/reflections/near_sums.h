@@ -31,7 +31,7 @@ class NearTable {
   [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const;
 
   /// Returns the columns of each row of the source's parts that any weight is of; of a lat-long they go on beyond the
-  /// ends of the picture's rows.
+  /// ends of the image's rows.
   [[nodiscard]] const std::vector<ColumnRange>& rows() const noexcept { return rows_; }
 
   [[nodiscard]] std::size_t bytes() const noexcept;

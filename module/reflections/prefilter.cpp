@@ -84,7 +84,7 @@ std::vector<float> scaled_pixels(const projection::SanitizedSource& source, floa
   return pixels;
 }
 
-/// Takes what was made of such a picture over the same scale. No value rounds beyond the floats.
+/// Takes what was made of such an image over the same scale. No value rounds beyond the floats.
 void undo_scale(PrefilteredSpecular& result, float scale) {
   static constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
   const double back = 1.0 / static_cast<double>(scale);

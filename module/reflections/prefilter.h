@@ -32,7 +32,7 @@ struct IrradianceMap {
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);
 
-/// The power of two that a picture is to be multiplied by before it is transformed: 2^-100 where a magnitude is above
+/// The power of two that an image is to be multiplied by before it is transformed: 2^-100 where a magnitude is above
 /// 1e18 and sums over it would leave the range of floats, 2^100 where none is above 1e-25 and they would lose bits, 1
 /// elsewhere and of black.
 [[nodiscard]] float safe_scale(const projection::SanitizedSource& source) noexcept;

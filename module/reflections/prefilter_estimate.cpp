@@ -28,7 +28,7 @@ double spline_loss(int l, int rings) {
   return x * x * x * x * (0.24 + 0.2 * x + 0.65 * x * x);
 }
 
-/// Of a mip's own root mean square error, over what the sums below say: for the picture's place among a mip's texels.
+/// Of a mip's own root mean square error, over what the sums below say: for the image's place among a mip's texels.
 /// This and the shares are fits to `welkin_perf --estimates`, docs/maths/reflections.md. By their moments the shares of
 /// `RingShares` lose 0.0114 (l h)^4, those of `halved_faces` 0.0073 (l h)^4 in the mean and 0.0089 root mean square.
 constexpr double kSafety = 1.8;
@@ -117,7 +117,7 @@ class ColumnSums {
       steps[k] += narrow * (down * down) + wide * (across * across);
     }
   }
-  void sum(PictureSums& sums) const {
+  void sum(ImageSums& sums) const {
     sums.energy = std::accumulate(squares_.begin(), squares_.end(), 0.0);
     sums.steps = std::accumulate(steps_.begin(), steps_.end(), 0.0);
   }
@@ -131,7 +131,7 @@ class ColumnSums {
 
 }  // namespace
 
-PictureSums::PictureSums(const SourceRows& faces, int rings)
+ImageSums::ImageSums(const SourceRows& faces, int rings)
     : texel(std::sqrt(4.0 * kPi / 6.0) / faces.face()), ring(kPi / rings) {
   const int size = faces.face();
   if (std::int64_t{6} * size * size > kMaxTexels) return;
@@ -150,7 +150,7 @@ PictureSums::PictureSums(const SourceRows& faces, int rings)
   sums.sum(*this);
 }
 
-PictureSums::PictureSums(const transforms::PictureRows& rows) : texel(kPi / rows.height) {
+ImageSums::ImageSums(const transforms::ImageRows& rows) : texel(kPi / rows.height) {
   if (std::int64_t{rows.width} * rows.height > kMaxTexels) return;
   ColumnSums sums(rows.width);
   for (int row = 0; row < rows.height; ++row) {
@@ -161,7 +161,7 @@ PictureSums::PictureSums(const transforms::PictureRows& rows) : texel(kPi / rows
   sums.sum(*this);
 }
 
-EnergyBeyond PictureSums::beyond(std::span<const double> energies) const {
+EnergyBeyond ImageSums::beyond(std::span<const double> energies) const {
   constexpr double kSumsRounding = 2e-6;  // of all energy
   const RingLosses rings{ring, 0.0};
   double left = energy * (1.0 - kSumsRounding);
@@ -228,16 +228,21 @@ double near_square(const MipPlan& mip, const SpectralSource& source) {
   return sum;
 }
 
-/// Square of the error by a wave that has what energy the picture has beyond the known degrees, but for what `counted`
-/// of them are taken to have: as it is where one finds a picture of stripes or checkers, or texels that are wide for
-/// the bands. Far out a lobe goes on as it fell at its end.
-double square_beyond(const EnergyBeyond& beyond, const std::vector<double>& lobe, double counted) {
+/// Square of the error by a wave that has what energy the image has beyond the known degrees, but for what `counted`
+/// of them are taken to have: as it is where one finds an image of stripes or checkers, or texels that are wide for
+/// the bands. Far out a lobe goes on as it fell at its end. A wide lobe falls more slowly there, as l^-2.5, and that of
+/// roughness 1 is 0 at odd degrees, while stripes are seldom of one degree alone: it is the larger one of two.
+double square_beyond(const EnergyBeyond& beyond, const MipPlan& mip, const std::vector<double>& lobe, double counted) {
   constexpr std::size_t kEnd = 8;
+  constexpr double kWide = 0.5;
   const double energy = beyond.energy - counted;
   if (energy <= 0.0 || lobe.size() <= kEnd) return 0.0;
   const auto degree = static_cast<std::size_t>(beyond.degree);
   double value = lobe[std::min(degree, lobe.size() - 1)];
-  if (degree >= lobe.size()) {
+  if (mip.lobe->alpha() > kWide) {
+    const std::vector<double> ends = mip.lobe->spectrum(static_cast<int>(degree) + 2);
+    value = std::max(std::abs(ends[degree]), std::abs(ends[degree + 1]));
+  } else if (degree >= lobe.size()) {
     // over each kEnd degrees the lobe falls by as much as over its last ones
     const double fall = std::min(1.0, std::abs(lobe.back()) / std::max(1e-30, std::abs(lobe[lobe.size() - 1 - kEnd])));
     value *=
@@ -275,7 +280,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
     if (l < known) finer += energy;
   }
   const auto counted = static_cast<double>(std::max(0, static_cast<int>(lobe.size()) - known));
-  return sum + square_beyond(beyond, lobe, counted * tail);
+  return sum + square_beyond(beyond, mip, lobe, counted * tail);
 }
 
 /// What a narrow mip's weights err by over its root mean square: a share of the steps that grows with alpha for

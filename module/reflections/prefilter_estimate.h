@@ -1,4 +1,4 @@
-// How far a spectral mip is from the truth, by what its factors leave out of the picture's own spectrum.
+// How far a spectral mip is from the truth, by what its factors leave out of the image's own spectrum.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 #include "reflections/bright_texels.h"
 #include "reflections/cube_rings.h"
 #include "reflections/prefilter_plan.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "transform/spectrum.h"
 #include "welkin/image.h"
 
@@ -18,19 +18,19 @@ namespace welkin::reflections {
 /// Squares of a spectrum's coefficients, summed over orders and channels: one for each degree.
 [[nodiscard]] std::vector<double> energies_of(const transforms::Spectrum& spectrum);
 
-/// Energy that a picture has beyond the degrees that are known, and the degree that it would have in one wave.
+/// Energy that an image has beyond the degrees that are known, and the degree that it would have in one wave.
 struct EnergyBeyond {
   double energy = 0.0;
   double degree = 0.0;
 };
 
-/// Sums over a picture of at most 24576 texels: larger ones are not looked through.
-struct PictureSums {
+/// Sums over an image of at most 24576 texels: larger ones are not looked through.
+struct ImageSums {
   /// `rings`: on which the cubemap is read.
-  PictureSums(const SourceRows& faces, int rings);
-  explicit PictureSums(const transforms::PictureRows& rows);
+  ImageSums(const SourceRows& faces, int rings);
+  explicit ImageSums(const transforms::ImageRows& rows);
 
-  /// Returns what the picture, whose first degrees have `energies`, has beyond them; nothing of a larger one.
+  /// Returns what the image, whose first degrees have `energies`, has beyond them; nothing of a larger one.
   [[nodiscard]] EnergyBeyond beyond(std::span<const double> energies) const;
 
   double energy = 0.0;  ///< squares times steradians
@@ -41,8 +41,8 @@ struct PictureSums {
 
 /// What spectral mips are made of.
 struct SpectralSource {
-  std::span<const double> energies;  ///< of what was left in the picture
-  int face_size = 0;                 ///< of a cubemap; 0: the picture is a lat-long
+  std::span<const double> energies;  ///< of what was left in the image
+  int face_size = 0;                 ///< of a cubemap; 0: the image is a lat-long
   int rings = 0;                     ///< that it was read on
   bool finer = false;                ///< whether its texels are finer than the transform's bands
   double halved = 0.0;               ///< texels of its halved faces at their middle, radians; 0: they were not halved
@@ -57,10 +57,10 @@ struct SpectralSource {
 /// and more: S_l the energies, k_l the lobe, z_l the factors, s_l what the spline loses between the synthesis' rings,
 /// r_l what a cubemap's rings lose; energy that those scatter; `of_lights`, what the bright texels' lights err
 /// (`BrightLights::error`). docs/maths/reflections.md. Degrees beyond the spectrum count with the last quarter's mean
-/// energy, and what else the picture has there in one wave.
+/// energy, and what else the image has there in one wave.
 [[nodiscard]] double spectral_rms_error(const MipPlan& mip, const SpectralSource& source, double of_lights, double rms);
 
-/// Chooses the bands of each spectral mip of a plan of lobes other than GGX, of at most `plan.bands`, by the picture's
+/// Chooses the bands of each spectral mip of a plan of lobes other than GGX, of at most `plan.bands`, by the image's
 /// energies, which go on as they fall. Returns `plan.bands`, or the number of bands to look at if some lobe of the
 /// whole chain needs more. Throws `Error` (limit_exceeded) if there are no more.
 [[nodiscard]] int choose_bands_by_energy(PrefilterPlan& plan, SpectralSource source);
@@ -73,14 +73,14 @@ struct SpectralSource {
 [[nodiscard]] bool keeps_rms_error(const MipPlan& mip, double rms_error, const SpectralSource& source,
                                    const std::vector<BrightTexel>& lights);
 
-/// Returns what the end of a GGX mip's bands leaves of such a picture far from what is bright, root mean square over
+/// Returns what the end of a GGX mip's bands leaves of such an image far from what is bright, root mean square over
 /// the sphere: mostly by the lobe's kink at the horizon, a quarter of a turn away, where it may be dark.
 [[nodiscard]] double truncated_afar(const MipPlan& mip, std::span<const double> energies);
 
 /// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the bound that was asked for.
 [[noreturn]] void refuse_rms_error(double estimate, double rms_error, const std::string& what);
 
-/// Returns the root mean square over the sphere of a picture of these energies whose degrees are multiplied by `zonal`.
+/// Returns the root mean square over the sphere of an image of these energies whose degrees are multiplied by `zonal`.
 [[nodiscard]] double blurred_rms(std::span<const double> energies, std::span<const double> zonal);
 
 }  // namespace welkin::reflections

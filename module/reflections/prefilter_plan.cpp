@@ -177,7 +177,7 @@ void plan_ggx(const PrefilterOptions& options, const std::vector<double>& roughn
   }
 }
 
-/// Returns the bands of the first transform for a lobe other than GGX: as many as it takes for a picture with many
+/// Returns the bands of the first transform for a lobe other than GGX: as many as it takes for an image with many
 /// edges, whose energy of degree l is kEdges / l^2 of the whole. Without the degrees from `bands` on the mip's error
 /// has the square Sum kEdges / l^2 k_l^2, which is summed from the end until it exceeds its share of the bound's.
 int first_bands(const Lobe& lobe, double rms_error) {
@@ -204,7 +204,7 @@ int first_bands(const Lobe& lobe, double rms_error) {
   }
 }
 
-/// Adds the mips of other lobes, whose bands the picture decides.
+/// Adds the mips of other lobes, whose bands the image decides.
 void plan_kernels(const std::vector<ZonalLobe>& kernels, bool reference, PrefilterPlan& plan) {
   const ErrorBounds usual;
   plan.reach = reach_for(std::min(usual.rms, plan.bounds.rms), usual.maximum);

@@ -68,7 +68,7 @@ struct PrefilterPlan {
   LobeFamily family = LobeFamily::ggx;
   std::vector<std::vector<double>> family_numbers;
 
-  /// Of the whole chain's spectral mips, as all of them decide how many bands this picture takes.
+  /// Of the whole chain's spectral mips, as all of them decide how many bands this image takes.
   std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
   std::vector<int> spectral_sizes;  ///< of their mips
 
@@ -81,7 +81,7 @@ struct PrefilterPlan {
   std::optional<MipPlan> irradiance;
   ErrorBounds irradiance_bounds;
 
-  /// Takes the picture's energies (`whole_energies`), for those who keep mips; null: nobody wants them.
+  /// Takes the image's energies (`whole_energies`), for those who keep mips; null: nobody wants them.
   std::shared_ptr<std::vector<float>> energies;
 
   /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
@@ -94,10 +94,10 @@ struct PrefilterPlan {
   /// Returns the bounds that spectral mips of GGX lobes are made for.
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
   /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMaxTightenings`: of GGX
-  /// lobes, for a picture with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which
+  /// lobes, for an image with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which
   /// those and fewer harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose
-  /// bands the picture decides: step 0 is where it begins, any other no picture makes it exceed.
-  [[nodiscard]] PrefilterPlan at_step(int step, const PictureShape& picture) const;
+  /// bands the image decides: step 0 is where it begins, any other no image makes it exceed.
+  [[nodiscard]] PrefilterPlan at_step(int step, const ImageShape& image) const;
 
   /// Whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;

@@ -70,7 +70,7 @@ int PrefilterPlan::rows_for_cubemap() const noexcept {
 namespace {
 
 /// Returns the bands of a far part times its reach. Its spectrum falls by a factor of 6 for each unit, what its end
-/// leaves of a picture by 3 to 4.
+/// leaves of an image by 3 to 4.
 double bands_of_reach(double bound) noexcept {
   constexpr double kAtPercent = 7.0;
   constexpr double kOfLogarithm = 0.7;
@@ -161,12 +161,12 @@ PrefilterPlan with_near_sums(PrefilterPlan plan, int face) {
   return split.near_mips.empty() ? plan : split;
 }
 
-/// Splits narrow lobes. Texels in their near parts stay in the picture, lights are added to their far parts alone.
-void split_near_far(PrefilterPlan& plan, const PictureShape& picture) {
+/// Splits narrow lobes. Texels in their near parts stay in the image, lights are added to their far parts alone.
+void split_near_far(PrefilterPlan& plan, const ImageShape& image) {
   constexpr double kLights = 1.0 / 3.0;     // of the reach, alpha of a lobe as narrow as a far part's peak
   constexpr double kTwoPoints = 2.0 / 3.0;  // of the reach, alpha that two points a texel's edge do for
-  const int rows = picture.cubemap ? 0 : picture.rows;
-  const NearSplit finest = near_far_split(picture.columns, rows, plan.near_far_size, 0.0);
+  const int rows = image.cubemap ? 0 : image.rows;
+  const NearSplit finest = near_far_split(image.columns, rows, plan.near_far_size, 0.0);
   const ErrorBounds usual;
   plan.bands = std::max(plan.bands, finest.bands);
   plan.reach = std::max(plan.reach, reach_for(usual.rms, usual.maximum));
@@ -177,7 +177,7 @@ void split_near_far(PrefilterPlan& plan, const PictureShape& picture) {
   plan.ring_alpha = std::min(plan.ring_alpha, whole.ring_alpha());
   for (MipPlan& mip : plan.mips) {
     if (mip.method != MipMethod::near_far) continue;
-    mip.near = near_far_split(picture.columns, rows, mip.size, mip.alpha);
+    mip.near = near_far_split(image.columns, rows, mip.size, mip.alpha);
     mip.bands.zonal.assign(static_cast<std::size_t>(mip.near.bands), 0.0);
   }
 }
@@ -200,7 +200,7 @@ PrefilterPlan tightened(PrefilterPlan plan, int step) {
   return plan;
 }
 
-/// Returns a plan of other lobes that no picture makes this one exceed.
+/// Returns a plan of other lobes that no image makes this one exceed.
 PrefilterPlan largest(PrefilterPlan plan) {
   if (plan.bands == 0) return plan;
   const auto ends = [](const auto& lobe) { return lobe->last_band() > 0; };
@@ -215,14 +215,14 @@ PrefilterPlan largest(PrefilterPlan plan) {
 
 }  // namespace
 
-PrefilterPlan PrefilterPlan::at_step(int step, const PictureShape& picture) const {
+PrefilterPlan PrefilterPlan::at_step(int step, const ImageShape& image) const {
   if (lights.of != LightsOf::ggx) return step > 0 ? largest(*this) : *this;
-  constexpr int kMaxEdgeSearched = 64;  // `PictureSums` tell what few bands do not
+  constexpr int kMaxEdgeSearched = 64;  // `ImageSums` tell what few bands do not
   PrefilterPlan plan = step > 0 ? reflections::tightened(*this, step) : *this;
-  const bool unseen = !picture.cubemap || picture.columns > kMaxEdgeSearched;
+  const bool unseen = !image.cubemap || image.columns > kMaxEdgeSearched;
   if (step == 0 && bands > 0 && unseen) plan.bands = std::max(bands, bands_for_dark(bounds));
-  if (picture.cubemap) plan = with_near_sums(plan, picture.columns);
-  if (step == 0 && near_far_size > 0) split_near_far(plan, picture);
+  if (image.cubemap) plan = with_near_sums(plan, image.columns);
+  if (step == 0 && near_far_size > 0) split_near_far(plan, image);
   return plan;
 }
 

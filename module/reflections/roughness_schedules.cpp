@@ -91,6 +91,12 @@ int default_mip_count(RoughnessSchedule schedule, int size) {
   return std::min(whole, std::max(kMinMips, to_least));
 }
 
+void PrefilterOptions::use_schedule(RoughnessSchedule schedule, bool fit_lookups) {
+  if (!mips) mips = default_mip_count(schedule, size);
+  roughness = mip_roughness(schedule, *mips, size);
+  if (fit_lookups) lobe_roughness = fitted_mip_roughness(schedule, *mips, size);
+}
+
 double mip_for_roughness(const std::vector<double>& table, double roughness) {
   const platform::FloatingPointScope floating_point;
   if (table.empty())

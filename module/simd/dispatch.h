@@ -20,7 +20,7 @@ inline constexpr int kLanes = 16;
 
 #if defined(WELKIN_ONLY_INSTRUCTION_SET)
 
-/// Of one table the one for an instruction set.
+/// Returns the only table, for any instruction set.
 template <class Table>
 [[nodiscard]] const Table& table_for(InstructionSet /*set*/, const Table& only) {
   return only;
@@ -28,7 +28,7 @@ template <class Table>
 
 #else
 
-/// Of three tables the one for an instruction set.
+/// Returns that one of three tables which is for an instruction set.
 template <class Table>
 [[nodiscard]] const Table& table_for(InstructionSet set, const Table& sse2, const Table& avx2, const Table& avx512) {
   switch (set) {

@@ -92,7 +92,7 @@ WELKIN_INLINE void from_words(uint32x4_t words, uint64x2_t& mask) { mask = vrein
 
 }  // namespace detail
 
-/// What a comparison gives: all bits of a lane, or none.
+/// Result of a comparison: all bits of a lane are set, or none.
 template <class Value, class Arch>
 struct batch_bool {
   using Mask = typename detail::Intrinsics<Value>::Mask;
@@ -164,7 +164,7 @@ struct batch {
   friend WELKIN_INLINE batch operator^(batch a, batch b) {
     return Do::from_bits(veorq_u32(Do::bits(a.data), Do::bits(b.data)));
   }
-  /// Of whole numbers; to the right their sign comes after.
+  /// Shifts integers; a shift to the right is arithmetic.
   friend WELKIN_INLINE batch operator<<(batch a, std::int32_t count) { return vshlq_s32(a.data, vdupq_n_s32(count)); }
   friend WELKIN_INLINE batch operator>>(batch a, std::int32_t count) { return vshlq_s32(a.data, vdupq_n_s32(-count)); }
 

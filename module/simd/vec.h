@@ -68,7 +68,7 @@ WELKIN_INLINE Rgb load_rgb(const float* first) {
                                            detail::load(first + 2 * kWidth));
 }
 
-/// The same with four channels a texel, of which the fourth is dropped. Channel: float or binary16.
+/// Loads texels of four channels in the same order and drops the fourth. Channel: float or binary16.
 template <bool reversed, class Channel>
 WELKIN_INLINE Rgb load_rgba(const Channel* first) {
   return detail::rgb_from_rgba<reversed>(detail::load(first), detail::load(first + kWidth),

@@ -263,7 +263,7 @@ WELKIN_INLINE void transpose(Lanes (&rows)[16]) {
   }
 }
 
-/// The same for 16 rows.
+/// Sums the lanes of each of 16 rows.
 WELKIN_INLINE void sum_rows(const float* rows, Lanes& sums) {
   const auto quarter = [&](int first) WELKIN_INLINE_LAMBDA {  // 4 rows, 4 lanes left of each
     const float* const r = rows + first * kLanes;

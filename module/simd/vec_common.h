@@ -1,5 +1,5 @@
-// What all instruction sets have in common, in terms of Quad and Pair, which vec_x86.h and vec_neon.h define before
-// they include this.
+// Operations of all instruction sets in terms of Quad and Pair, which vec_x86.h and vec_neon.h define before they
+// include this.
 #pragma once
 
 #include <cstddef>
@@ -34,13 +34,13 @@ struct IntegersOf {
   Register part[static_cast<std::size_t>(kLanes) / Register::size];
 };
 
-/// Asks for the line-th cache line after an address, which need not be that of anything. Hence whole numbers: a pointer
-/// must not leave its array.
+/// Prefetches the line-th cache line after an address, which may lie outside any object. It computes with integers,
+/// because a pointer must not leave its array.
 WELKIN_INLINE void fetch_line(const char* address, int line) {
   constexpr std::uintptr_t line_bytes = 64;
-  const std::uintptr_t place =
+  const std::uintptr_t target =
       reinterpret_cast<std::uintptr_t>(address) + static_cast<std::uintptr_t>(line) * line_bytes;
-  WELKIN_FETCH(reinterpret_cast<const char*>(place));  // NOLINT(performance-no-int-to-ptr): see above
+  WELKIN_FETCH(reinterpret_cast<const char*>(target));  // NOLINT(performance-no-int-to-ptr): see above
 }
 
 // AVX-512 has another (vec_avx512.h).
@@ -68,7 +68,7 @@ WELKIN_INLINE void sum_rows(const float* rows, Quad& sums) {
   sums = (four[0] + four[2]) + (four[1] + four[3]);
 }
 
-// Of the sets whose registers have four floats.
+// For instruction sets whose registers have four floats.
 #ifndef __AVX2__
 
 using Lanes = Quad;

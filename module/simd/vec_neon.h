@@ -48,7 +48,7 @@ WELKIN_INLINE Lanes ordered(float32x4_t v) {
 
 WELKIN_INLINE float32x4_t load(const float* p) { return vld1q_f32(p); }
 
-/// Of binary16: the conversion is exact, denormals too, as long as FPCR does not ask for ARM's alternative format.
+/// Converts binary16 exactly, denormals included, unless FPCR selects ARM's alternative format.
 WELKIN_INLINE float32x4_t widened(uint16x4_t halves) { return vcvt_f32_f16(vreinterpret_f16_u16(halves)); }
 WELKIN_INLINE float32x4_t load(const std::uint16_t* p) { return widened(vld1_u16(p)); }
 

@@ -1,4 +1,4 @@
-// What the x86 instruction sets have in common: registers of 128 bits. Included by vec_*.h.
+// Registers of 128 bits, which all x86 instruction sets have. Included by vec_*.h.
 #pragma once
 
 #include <immintrin.h>

@@ -177,7 +177,7 @@ RayLight::RayLight(const AirModel& air, const SourceShape& shape, std::size_t co
       row_(padded_),
       row_fraction_(padded_),
       sums_(12 * padded_),
-      scratch_(std::max(4 * shape.picture() + shape.sun_steps() + 16 * static_cast<std::size_t>(shape.suns),
+      scratch_(std::max(4 * shape.image() + shape.sun_steps() + 16 * static_cast<std::size_t>(shape.suns),
                         8 * kMaxSunNodes)) {
   panels_.reserve(kMaxRayNodes);
   for (std::size_t i = 0; i < padded_; ++i) set_sun(i, 1.0, 1.0);
@@ -326,13 +326,13 @@ void add_molecules(const ScatteringPanel& panel, const ScatteringSource& source,
   }
 }
 
-void add_pictures(const ScatteringPanel& panel, const ScatteringSource& source, SourceSample& sample) noexcept {
+void add_images(const ScatteringPanel& panel, const ScatteringSource& source, SourceSample& sample) noexcept {
   const auto zeniths = static_cast<std::size_t>(source.shape.zeniths);
   const float shares[2] = {1.0F - panel.zenith_fraction, panel.zenith_fraction};
   for (std::size_t k = 0; k < 4; ++k) {
     const std::size_t row =
         (static_cast<std::size_t>(panel.height) + k / 2) * zeniths + static_cast<std::size_t>(panel.zenith) + k % 2;
-    sample.pictures[k] = source.aerosol.data() + row * 4 * source.shape.picture();
+    sample.images[k] = source.aerosol.data() + row * 4 * source.shape.image();
     for (std::size_t c = 0; c < 3; ++c) {
       sample.weights[k][c] = sample.step_weights[k / 2] * shares[k % 2] * panel.weights[kAerosol][c];
     }
@@ -350,13 +350,13 @@ RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, std::span<
                          row_.data(), row_fraction_.data());
   }
   const bool apart = source.glow.any();
-  const auto size = static_cast<int>(source.shape.picture());
-  const auto add = [&](bool molecules, bool pictures, float* sums) {
+  const auto size = static_cast<int>(source.shape.image());
+  const auto add = [&](bool molecules, bool images, float* sums) {
     std::fill_n(sums, 8 * padded_, 0.0F);
     for (const ScatteringPanel& panel : panels) {
       SourceSample sample = sample_of(panel, source);
       if (molecules && panel.scatters[kRayleigh]) add_molecules(panel, source, sample);
-      if (pictures && panel.scatters[kAerosol]) add_pictures(panel, source, sample);
+      if (images && panel.scatters[kAerosol]) add_images(panel, source, sample);
       kernels.add_source(sample, axis, size, suns(), scratch_.data(), sums);
     }
     fold_pairs(sums);

@@ -29,7 +29,7 @@ struct SourceShape {
   double height_bend = 0.0;  ///< b; 0: not bent
 
   /// Texels over angles and suns.
-  [[nodiscard]] std::size_t picture() const noexcept {
+  [[nodiscard]] std::size_t image() const noexcept {
     return static_cast<std::size_t>(angles) * static_cast<std::size_t>(suns);
   }
   /// Fine steps of suns, filled up to a multiple of 16.
@@ -38,7 +38,7 @@ struct SourceShape {
   }
   /// Floats of the aerosol's source.
   [[nodiscard]] std::size_t size() const noexcept {
-    return static_cast<std::size_t>(heights) * static_cast<std::size_t>(zeniths) * 4 * picture();
+    return static_cast<std::size_t>(heights) * static_cast<std::size_t>(zeniths) * 4 * image();
   }
   /// Of the molecules' at a height.
   [[nodiscard]] std::size_t molecule_row() const noexcept {
@@ -174,7 +174,7 @@ class RayLight {
   platform::AlignedBuffer<std::int32_t> row_;
   platform::AlignedBuffer<float> row_fraction_;
   platform::AlignedBuffer<float> sums_;     ///< [padded][12]
-  platform::AlignedBuffer<float> scratch_;  ///< a slice or a picture
+  platform::AlignedBuffer<float> scratch_;  ///< a slice or an image
 };
 
 }  // namespace welkin::sky

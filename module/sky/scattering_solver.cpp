@@ -115,7 +115,7 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
       std::uint64_t{8} * (index(shape.heights) * shape.molecule_row() + (with_aerosol ? shape.size() : 0));
   const std::uint64_t panels =
       std::uint64_t{index(shape.heights)} * kZeniths * (kKeptPanels * sizeof(ScatteringPanel) + sizeof(std::size_t));
-  const std::uint64_t nodes = std::uint64_t{shape.narrow ? 36U : 12U} * index(shape.zeniths) * shape.picture();
+  const std::uint64_t nodes = std::uint64_t{shape.narrow ? 36U : 12U} * index(shape.zeniths) * shape.image();
   const std::uint64_t small =
       std::uint64_t{8} * index(shape.heights) * (21 * index(shape.suns) + kZeniths * (shape.narrow ? 410 : 220));
   return radiance + sources + nodes + panels + small;
@@ -340,7 +340,7 @@ void SourceSolver::march(bool single, const Control& control) {
   const std::size_t workers = jobs::worker_count(jobs::Placement::arena);
   std::vector<Worker> scratch;
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, shape_, azimuths_, bands_);
-  // Rays of about one zenith angle see the same pictures of the source: one after the other they find them in the
+  // Rays of about one zenith angle see the same images of the source: one after the other they find them in the
   // cache.
   const std::size_t heights = followed_.size();
   jobs::run_tiles(heights * kZeniths, jobs::Placement::arena, workers, control,

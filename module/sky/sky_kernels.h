@@ -22,8 +22,8 @@ inline constexpr int kSunSteps = 32;
 struct SkySuns {
   const float* zenith_cosine;  ///< mu_s
   const float* angle_cosine;   ///< nu
-  const std::int32_t* row;    ///< where the nearer row of angles starts in a picture of sources: a multiple of its suns
-  const float* row_fraction;  ///< towards the next one
+  const std::int32_t* row;     ///< where the nearer row of angles starts in an image of sources: a multiple of its suns
+  const float* row_fraction;   ///< towards the next one
   int count;
 };
 
@@ -63,7 +63,7 @@ struct SunAxis {
 /// all that bands 0 and 2 of the light about a point leave; q is the product of both sines and the azimuth's cosine.
 inline constexpr int kMoleculeTerms = 5;
 
-/// A sample that sends on light of a source: what molecules do at two heights, and the sum of four pictures of what the
+/// A sample that sends on light of a source: what molecules do at two heights, and the sum of four images of what the
 /// aerosol does, [angles][suns][4] each.
 struct SourceSample {
   float start_ratio;
@@ -71,9 +71,9 @@ struct SourceSample {
   float view_cosine;          ///< mu of the ray there
   const float* molecules[2];  ///< null: nothing of them
   float molecule_weights[2][4];
-  const float* pictures[4];
+  const float* images[4];
   float weights[4][4];  ///< of red, green, blue and nothing
-  int count;            ///< of pictures
+  int count;            ///< of images
   /// The source's brightness between suns at the two heights (ScatteringSource::steps), and their shares.
   const float* steps[2];
   float step_weights[2];
@@ -99,7 +99,7 @@ struct SolverKernels {
   /// sums[count][2][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles
   /// and suns, not below 0. Of the two, the share of the nearer node of suns and that of the next one, to be added up
   /// at last. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
-  /// `suns.row` and its fractions count only where there are pictures.
+  /// `suns.row` and its fractions count only where there are images.
   void (*add_source)(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns, float* scratch,
                      float* sums);
 

@@ -249,7 +249,7 @@ void Precomputation::scatter(const WavelengthGroup& group, const Fold& fold, con
   const std::size_t count = index(sky::angles_of(options_)) * index(options_.sun_zeniths);
   std::vector<sky::RayLight> scratch;
   for (std::size_t i = 0; i < workers; ++i) scratch.emplace_back(air_, source_shape_, count);
-  // Rays of about one zenith angle see the same pictures of the source: one after the other they find them in the
+  // Rays of about one zenith angle see the same images of the source: one after the other they find them in the
   // cache.
   const std::size_t heights = index(options_.heights);
   const std::size_t views = index(options_.view_zeniths);

@@ -177,15 +177,15 @@ WELKIN_INLINE void mix_molecules(const SourceSample& sample, int nodes, const fl
   }
 }
 
-/// The sum of the pictures, relative to the brightness.
-WELKIN_INLINE void mix_pictures(const SourceSample& sample, int nodes, int size, const float* inverse, float* picture) {
+/// The sum of the images, relative to the brightness.
+WELKIN_INLINE void mix_images(const SourceSample& sample, int nodes, int size, const float* inverse, float* image) {
   Lanes weights[4];
   for (int k = 0; k < sample.count; ++k) weights[k] = repeated(sample.weights[k]);
   for (int row = 0; row < 4 * size; row += 4 * nodes) {
     for (int i = 0; i < 4 * nodes; i += kWidth) {
       Lanes sum(0.0F);
-      for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.pictures[k] + row + i);
-      (sum * load(inverse + i)).store_unaligned(picture + row + i);
+      for (int k = 0; k < sample.count; ++k) sum = sum + weights[k] * load(sample.images[k] + row + i);
+      (sum * load(inverse + i)).store_unaligned(image + row + i);
     }
   }
 }
@@ -195,8 +195,8 @@ alignas(64) constexpr float kFirstOfPair[kPair] = {1.0F, 1.0F, 1.0F, 1.0F, 0.0F,
 alignas(64) constexpr float kSlopeOfPair[kPair] = {-1.0F, -1.0F, -1.0F, -1.0F, 1.0F, 1.0F, 1.0F, 1.0F};
 
 // Both nodes about a sun lie side by side, so that one register holds them; they are added up apart.
-template <bool molecules, bool pictures>
-WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, const SkySuns& suns, const float* picture,
+template <bool molecules, bool images>
+WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, const SkySuns& suns, const float* image,
                              const float* rows, const float* steps, float* sums) {
   alignas(64) std::int32_t node[kWidth];
   alignas(64) std::int32_t step[kWidth];
@@ -230,8 +230,8 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
                   q * (load_narrow(rows + row + at + h) + q * load_narrow(rows + 2 * row + at + h));
           light = xsimd::max(light, NarrowLanes(0.0F));
         }
-        if constexpr (pictures) {
-          const float* const nearer = picture + 4 * suns.row[i + k] + at + h;
+        if constexpr (images) {
+          const float* const nearer = image + 4 * suns.row[i + k] + at + h;
           const NarrowLanes low = load_narrow(nearer);
           light = light + (low + NarrowLanes(suns.row_fraction[i + k]) * (load_narrow(nearer + row) - low));
         }
@@ -247,20 +247,20 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
 
 void add_source(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns, float* scratch,
                 float* sums) {
-  float* const picture = scratch;
-  float* const inverse = picture + 4 * size;
+  float* const image = scratch;
+  float* const inverse = image + 4 * size;
   float* const rows = inverse + 4 * axis.nodes;
   float* const steps = rows + 3 * 4 * axis.nodes;
   mix_steps(sample, axis.nodes, inverse, steps);
   const bool molecules = sample.molecules[0] != nullptr;
   if (molecules) mix_molecules(sample, axis.nodes, inverse, rows);
-  if (sample.count > 0) mix_pictures(sample, axis.nodes, size, inverse, picture);
+  if (sample.count > 0) mix_images(sample, axis.nodes, size, inverse, image);
   if (molecules && sample.count > 0) {
-    add_light<true, true>(sample, axis, suns, picture, rows, steps, sums);
+    add_light<true, true>(sample, axis, suns, image, rows, steps, sums);
   } else if (molecules) {
-    add_light<true, false>(sample, axis, suns, picture, rows, steps, sums);
+    add_light<true, false>(sample, axis, suns, image, rows, steps, sums);
   } else if (sample.count > 0) {
-    add_light<false, true>(sample, axis, suns, picture, rows, steps, sums);
+    add_light<false, true>(sample, axis, suns, image, rows, steps, sums);
   }
 }
 

@@ -248,7 +248,7 @@ void SourceSolver::fold(std::size_t height, std::size_t first_sun, Worker& worke
       }
     }
     kernels.fold_orders(harmonics.data(), worker.values.data(), bands, worker.aerosol.data());
-    const std::size_t slot = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.picture() + 4 * first_sun;
+    const std::size_t slot = (height * index(shape_.zeniths) + index(z)) * 4 * shape_.image() + 4 * first_sun;
     for (int a = 0; a < shape_.angles; ++a) {
       const std::size_t first = (index(z) * index(shape_.angles) + index(a)) * index(shape_.suns) + first_sun;
       float* const texels = source_.aerosol.data() + slot + 4 * index(a) * index(shape_.suns);

@@ -1,10 +1,10 @@
-// Dark pictures are transformed at a size at which denormals are too small to matter.
+// Dark images are scaled before a transform, so that denormals are too small to matter.
 //
-// The transforms flush denormals to zero, and which results count as denormal differs between processors: x86 looks at
-// them after they were rounded, ARM before. Beside a texel of 2^-60 that shows in no bit: the picture's mean is then at
-// least 2^-85 (of 2^25 texels), and what is added to it is lost below 2^-110, long before 2^-126. A channel with
-// nothing that bright is multiplied by a power of two, transformed, and divided by it again. Both are exact but where a
-// result itself is denormal, and are done without flushing.
+// The transforms flush denormals to zero, and which results count as denormal differs between processors: x86 checks
+// after rounding, ARM before. In an image with a texel of 2^-60 or more this changes no bit: its mean is at least 2^-85
+// (of 2^25 texels), and terms below 2^-110, far above 2^-126, no longer change it. A channel without such a texel is
+// multiplied by a power of two, transformed, and divided again. Both are exact unless a result itself is denormal, and
+// are done without flushing.
 #pragma once
 
 #include <array>

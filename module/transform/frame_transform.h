@@ -49,10 +49,10 @@ class FrameTransform {
   std::vector<Entry> entries_;
 };
 
-/// Of cubemap face 0 to 5 (+X -X +Y -Y +Z -Z). Built once for each number of bands.
+/// Returns the transform of cubemap face 0 to 5 (+X -X +Y -Y +Z -Z), built once for each number of bands.
 [[nodiscard]] const FrameTransform& face_transform(int face, int bands);
 
-/// Of the frame in which a lat-long's rows are circles around the third axis: u = +z, v = +x, normal = +y.
+/// Returns that of the frame whose third axis a lat-long's rows encircle: u = +z, v = +x, normal = +y.
 [[nodiscard]] const FrameTransform& lat_long_transform(int bands);
 
 }  // namespace welkin::transforms

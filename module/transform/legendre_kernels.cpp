@@ -44,7 +44,7 @@ struct DoubleState {
   [[nodiscard]] WELKIN_INLINE Lanes odd() const { return narrow(odd_low, odd_high); }
 };
 
-/// The same in float.
+/// The recurrence's state in float.
 struct SingleState {
   using Number = float;
   Lanes even_, odd_, x, x_rest;
@@ -342,8 +342,7 @@ void sum_functions(const float* functions, const float* coefficients, int degree
   }
 }
 
-// What happens to the numbers of one order m between Legendre sums and coefficients. Plain loops: compilers make
-// registers of them.
+// Steps for one order m between Legendre sums and coefficients, as plain loops, which compilers vectorize.
 
 void weigh_odd_parts(const float* columns, const double* weights, int groups, double* sums) {
   constexpr int numbers = 6;
@@ -439,7 +438,7 @@ WELKIN_INLINE Mirrored mirrored(int pair, const SplineRun& run) {
     ring = circle - 1 - ring;
     if (run.odd_order) sign = -1.0F;
   }
-  // The rings on a meridian and on the one opposite make a circle of 2 rings. Half a turn further order m has the sign
+  // The rings on a meridian and on the opposite one make a circle of 2 rings. 180 degrees further order m has the sign
   // (-1)^m. South of the equator the value is even - odd.
   const bool south = ring >= (run.rings + 1) / 2;
   return {south ? run.rings - 1 - ring : ring, sign, south ? -sign : sign};

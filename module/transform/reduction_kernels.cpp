@@ -33,7 +33,7 @@ void share_steps(const StepRun& run, float* const* sums) {
   }
 }
 
-// Plain loops, which the compiler vectorises: the order of operations is that of the source.
+// Plain loops, which the compiler vectorizes: the order of operations is that of the source.
 void halve_columns(const float* in, int count, float* out) {
   // The filter at every column, of which every other one is kept: twice the sums, in a loop whose loads follow each
   // other. 3 floats are one texel: taps 0 and 5, 1 and 4, 2 and 3 share their factor.

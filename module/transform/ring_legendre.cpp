@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kRingsCacheBytes = std::size_t{128} << 20U;  // 384 bands on 512 rows take 2.5 MiB
 constexpr double kPi = std::numbers::pi;
 
-/// Functions below this are left out: a thousandth of a float's rounding beside those of order 1.
+/// Functions below this are left out: a thousandth of a float's rounding error relative to those of order 1.
 constexpr double kNothing = 0x1p-34;
 
 /// Groups whose rings all have a larger sine go in float: their rings' sines differ by a factor of 2 at most, so that

@@ -135,7 +135,7 @@ class SplineFunctions {
 
   /// Degrees of order m: bands - m, or one more that is 0 to make them even.
   [[nodiscard]] int degrees(int m) const noexcept { return (bands_ - m + 1) / 2 * 2; }
-  /// Those of order m on a group: [degrees(m)][kRingLanes].
+  /// Returns the functions of order m on a group: [degrees(m)][kRingLanes].
   [[nodiscard]] const float* of(int m, int group) const noexcept { return values_.data() + start(m, group); }
   [[nodiscard]] std::size_t bytes() const noexcept { return sizeof(*this) + values_.bytes(); }
 

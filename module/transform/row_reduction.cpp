@@ -92,7 +92,7 @@ struct ReducedRows::Scratch {
   platform::AlignedBuffer<float> floats;
 };
 
-ReducedRows::ReducedRows(PictureRows source, const ReducedShape& shape)
+ReducedRows::ReducedRows(ImageRows source, const ReducedShape& shape)
     : source_(std::move(source)),
       shape_(shape),
       kernels_(reduction_kernels()),
@@ -176,7 +176,7 @@ void ReducedRows::add_interval(int interval, const float* shares, const Strip& s
   }
 }
 
-/// What edges near a pole give beyond it to coarse edge `edge`, half a turn away.
+/// Adds the shares that edges near a pole give, beyond it, to coarse edge `edge` at 180 degrees.
 /// g(-theta) = (-1)^m g(theta), and a turn of the row by 180 degrees multiplies order m by (-1)^m: so the share goes to
 /// the mirrored edge with the row shifted by half its width, for all orders at once.
 void ReducedRows::add_beyond_pole(int edge, const Strip& strip, Scratch& scratch) noexcept {
@@ -201,7 +201,7 @@ void ReducedRows::finish(float* sums, const Strip& strip, int to) noexcept {
 
 /// Computes the steps at coarse edges `first_edge` to `end_edge` - 1. Interval i gives to edges i - 2 to i + 3. Going
 /// through the intervals in order, six sums are open at a time, in a ring by edge modulo 6; edge i - 2 is finished
-/// after interval i. Shares for edges of other tiles go to a row that nobody reads. Intervals at a tile's ends are read
+/// after interval i. Shares for edges of other tiles go to a row that is not read. Intervals at a tile's ends are read
 /// by both tiles, so every sum has its terms in one order whatever the tiles.
 void ReducedRows::sum_steps(int first_edge, int end_edge, const Strip& strip, Scratch& scratch) noexcept {
   for (int interval = first_edge - kStepShares + 1 + kSharesBefore; interval < end_edge + kSharesBefore; ++interval) {

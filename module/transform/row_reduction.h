@@ -7,7 +7,7 @@
 //   0.005 x^5 max(1, x) of degree l, x = (l + 2) h, h = pi / rows the distance between coarse edges,
 // where two coarse rows a band make 0.08 of the last one, 0.0015 half way there, 5e-5 at a quarter. (The sixth power is
 // the interpolation's own; below x = 1 the fifth was found by measuring, and is what the test allows.) Beyond a pole
-// g(-theta) = (-1)^m g(theta), as if the step lay half a turn away.
+// g(-theta) = (-1)^m g(theta), as if the step lay at 180 degrees.
 //
 // The integrals begin with those of P(m, m), which start at either pole and so make a step at the equator; what fine
 // edges give across it is set right in the sum of the two rows next to the equator, with which they begin too.
@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "platform/memory.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "transform/reduction_kernels.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
@@ -39,13 +39,13 @@ struct ReducedShape {
 
 [[nodiscard]] ReducedShape reduced_shape(int width, int height, int bands) noexcept;
 
-/// What columns' filters multiply order m by, their sums' scale included: the sum of all columns stays what it was.
+/// Returns the factor of order m by the columns' filters, which keep the sum of all columns.
 [[nodiscard]] double column_response(int width, int halvings, int order) noexcept;
 
 class ReducedRows {
  public:
   /// The rows' pixels outlive this. `shape` is that of `reduced_shape` with some rows.
-  ReducedRows(PictureRows source, const ReducedShape& shape);
+  ReducedRows(ImageRows source, const ReducedShape& shape);
 
   /// Reads the source, rows between tiles more than once.
   void fill(const Control& control);
@@ -55,8 +55,8 @@ class ReducedRows {
 
   [[nodiscard]] std::size_t bytes() const noexcept { return rows_.bytes(); }
 
-  /// What they take at most for such a source and so many bands, the shares of its rows and a room for each of
-  /// `workers` included; 0 where nothing is to be gained.
+  /// Returns an upper bound on their bytes, including the rows' shares and the scratch memory of `workers`; 0 if
+  /// reduction does not pay.
   [[nodiscard]] static std::size_t most_bytes(int width, int height, int bands, std::size_t workers) noexcept;
 
  private:
@@ -79,7 +79,7 @@ class ReducedRows {
   void sum_equator(const Strip& strip, Scratch& scratch) noexcept;
   void finish(float* sums, const Strip& strip, int to) noexcept;
 
-  PictureRows source_;
+  ImageRows source_;
   ReducedShape shape_;
   const ReductionKernels& kernels_;
   std::size_t row_floats_;

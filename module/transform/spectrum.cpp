@@ -1,7 +1,7 @@
 // From pixels to harmonics.
 //
 // Texels are areas, so c(l, m) = sum over rows of F(m, row) Int P(l, m) sin(theta) d theta, F the row's Fourier
-// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (ring_legendre.h) asks for
+// coefficient times the column's sinc. Summed by parts, the integrals' recurrence (ring_legendre.h) needs
 //   K(l) = sum over edges between rows of (F(below) - F(above)) sin^2(theta) P(l, m) at the edge:
 // the functions are needed at edges only, the result is exact at any size and any number of bands, and what is
 // transformed are differences of neighbouring rows, taken between the pixels themselves before anything rounds.
@@ -61,7 +61,7 @@ void run_orders(int bands, jobs::Placement placement, std::size_t workers, const
                   });
 }
 
-/// What the Fourier stage needs for one group of rings.
+/// Scratch memory of the Fourier stage for one group of rings.
 struct RowScratch {
   RowScratch(int width, const RingFourier& fourier)
       : planes(std::size_t{3} * static_cast<std::size_t>(width) * kComplexFloats), work(fourier.scratch_floats()) {}
@@ -69,7 +69,7 @@ struct RowScratch {
   platform::AlignedBuffer<float> work;
 };
 
-/// What the Legendre stage needs for one order.
+/// Scratch memory of the Legendre stage for one order.
 struct AnalysisScratch {
   explicit AnalysisScratch(int bands)
       : state(std::size_t{kAnalysisGroups} * 2 * kRingLanes),
@@ -81,7 +81,7 @@ struct AnalysisScratch {
 class Analysis {
  public:
   /// `reduced`: how the rows are brought to fewer first, if it has rows.
-  Analysis(const PictureRows& source, int bands, const ReducedShape& reduced)
+  Analysis(const ImageRows& source, int bands, const ReducedShape& reduced)
       : source_(source),
         bands_(bands),
         reduced_(reduced),
@@ -114,7 +114,7 @@ class Analysis {
   void transform_all_rows(const Control& control);
   void sum_order(int m, AnalysisScratch& scratch) noexcept;
 
-  const PictureRows& source_;
+  const ImageRows& source_;
   int bands_;
   ReducedShape reduced_;
   int columns_of_row_;  ///< that is transformed
@@ -233,17 +233,17 @@ Spectrum Analysis::run(const Control& control) {
   return std::move(spectrum_);
 }
 
-// Dark pictures and spectra: see dark_scale.h. Of others the first texel is looked at, or few.
+// Dark images and spectra: see dark_scale.h. Of others the first texel is looked at, or few.
 
-DarkScale dark_scale_of(const PictureRows& picture) noexcept {
+DarkScale dark_scale_of(const ImageRows& image) noexcept {
   Brightness brightness;
-  for (int row = 0; row < picture.height && !brightness.is_enough(); ++row) {
-    brightness.look_at(picture.row(row), picture.width, 3);
+  for (int row = 0; row < image.height && !brightness.is_enough(); ++row) {
+    brightness.look_at(image.row(row), image.width, 3);
   }
   return brightness.scale();
 }
 
-/// A coefficient counts as a texel does: the zonal factors are at most about 1, and one harmonic is all of a picture.
+/// A coefficient counts as a texel does: the zonal factors are at most about 1, and one harmonic is all of an image.
 DarkScale dark_scale_of(const Spectrum& spectrum) noexcept {
   Brightness brightness;
   for (int m = 0; m < spectrum.bands() && !brightness.is_enough(); ++m) {
@@ -259,11 +259,11 @@ DarkScale dark_scale_of(const Spectrum& spectrum) noexcept {
 }
 
 /// Packed.
-std::vector<float> multiplied(const PictureRows& picture, const DarkScale& scale) {
-  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(picture.width);
-  std::vector<float> pixels(row_floats * static_cast<std::size_t>(picture.height));
-  for (int row = 0; row < picture.height; ++row) {
-    multiply_channels(picture.row(row), picture.width, 3, scale,
+std::vector<float> multiplied(const ImageRows& image, const DarkScale& scale) {
+  const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(image.width);
+  std::vector<float> pixels(row_floats * static_cast<std::size_t>(image.height));
+  for (int row = 0; row < image.height; ++row) {
+    multiply_channels(image.row(row), image.width, 3, scale,
                       pixels.data() + row_floats * static_cast<std::size_t>(row));
   }
   return pixels;
@@ -293,10 +293,10 @@ Spectrum analyse(const LatLongView& source, int bands, const Control& control, S
   image::check_view(source);
   if (source.format != PixelFormat::rgb32f)
     throw Error(ErrorCode::invalid_argument, "the transform reads rgb32f pixels only; decode them first");
-  return analyse(PictureRows(source), bands, control, rows);
+  return analyse(ImageRows(source), bands, control, rows);
 }
 
-Spectrum analyse(const PictureRows& source, int bands, const Control& control, SourceRows rows) {
+Spectrum analyse(const ImageRows& source, int bands, const Control& control, SourceRows rows) {
   image::require_range("bands", bands, 1, kMaximumSpectrumBands);
   jobs::throw_if_cancelled(control);
   const ReducedShape shape =
@@ -304,7 +304,7 @@ Spectrum analyse(const PictureRows& source, int bands, const Control& control, S
   const DarkScale scale = dark_scale_of(source);
   if (scale.is_one()) return Analysis(source, bands, shape).run(control);
   const std::vector<float> brighter = multiplied(source, scale);
-  const PictureRows rows_of_brighter(LatLongView{brighter.data(), source.width, source.height});
+  const ImageRows rows_of_brighter(LatLongView{brighter.data(), source.width, source.height});
   return multiplied(Analysis(rows_of_brighter, bands, shape).run(control), scale.inverse());
 }
 
@@ -312,7 +312,7 @@ namespace {
 
 // From harmonics to rings.
 
-/// What the Legendre stage needs for one order.
+/// Scratch memory of the Legendre stage for one order.
 struct SynthesisScratch {
   SynthesisScratch(int bands, int groups)
       : coefficients(static_cast<std::size_t>(bands + 3) * kHarmonicFloats), rows(spline_scratch_floats(groups)) {}
@@ -320,7 +320,7 @@ struct SynthesisScratch {
   platform::AlignedBuffer<float> rows;
 };
 
-/// What the Fourier stage needs for one group of rings.
+/// Scratch memory of the Fourier stage for one group of rings.
 struct RingScratch {
   RingScratch(int columns, const RingFourier& fourier)
       : planes(std::size_t{3} * plane_floats(columns)), work(std::size_t{3} * fourier.scratch_floats()) {}

@@ -7,7 +7,7 @@
 
 #include "image/sphere_grid.h"
 #include "platform/memory.h"
-#include "transform/picture_rows.h"
+#include "transform/image_rows.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
 
@@ -51,12 +51,12 @@ enum class SourceRows {
 };
 
 /// Projects a lat-long of finite rgb32f pixels (any size, any row stride), its texels taken as areas, exactly but for
-/// rounding: some 1e-7 of what the brightest texel gives. Texels below 1e30 in magnitude; those that are 1e-35 of the
-/// brightest, or less, may count as 0. The same bits on any number of threads and instruction set. Memory: 24 bytes a
-/// band and row, beside the result. Throws `Error` (invalid_argument, cancelled).
+/// rounding: about 1e-7 of the brightest texel's contribution. Texels must be below 1e30 in magnitude; those of at most
+/// 1e-35 of the brightest may count as 0. Bits do not depend on threads or instruction set. Memory: 24 bytes per band
+/// and row, in addition to the result. Throws `Error` (invalid_argument, cancelled).
 [[nodiscard]] Spectrum analyse(const LatLongView& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
-[[nodiscard]] Spectrum analyse(const PictureRows& source, int bands, const Control& control,
+[[nodiscard]] Spectrum analyse(const ImageRows& source, int bands, const Control& control,
                                SourceRows rows = SourceRows::all);
 
 /// Writes sum over l, m of zonal[l] c(l, m) Y(l, m) for l < zonal.size() to `grid` (made by the caller; columns >=
@@ -68,7 +68,7 @@ void synthesise(const Spectrum& spectrum, std::span<const double> zonal, image::
 /// Rings and columns of a grid: a fast size for `bands` bands, `oversampling` times the least (a ring for each band,
 /// two columns a ring). What a cubic B-spline through the samples loses of degree l half way between four of them, as a
 /// share of that degree, each way: 6e-5 for l = rings / 8, 1.2e-3 for rings / 4, 7e-3 for 3/8, 2.8e-2 for rings / 2,
-/// 0.24 for 3/4; like (l / rings)^4. A lobe's last bands, at 4/3, are small enough for that; others may ask for more.
+/// 0.24 for 3/4; like (l / rings)^4. A lobe's last bands, at 4/3, are small enough for that; others may need more.
 /// (A wave e^(i w k) on samples k has the spline coefficients 3 / (2 + cos w) times its values, and the B-spline half
 /// way between samples is 23/48 at +-1/2 and 1/48 at +-3/2. So it comes back there as (23 cos(w / 2) + cos(3 w / 2)) /
 /// 24 x 3 / (2 + cos w) of itself, and w = pi l / rings down the meridians.)

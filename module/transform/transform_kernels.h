@@ -15,11 +15,11 @@ inline constexpr int kRingLanes = simd::kLanes;
 inline constexpr int kComplexFloats =
     2 * kRingLanes;  ///< one complex number a lane: the real parts, the imaginary ones
 
-/// What a group of ring pairs has of one order m: red, green and blue, each real and imaginary, [2][6][kRingLanes], the
-/// even part and then the odd one.
+/// Floats of a group of ring pairs for one order m: red, green and blue, each real and imaginary, [2][6][kRingLanes],
+/// the even part and then the odd one.
 inline constexpr int kColumnFloats = 12 * kRingLanes;
 
-/// The same six numbers for one (l, m), and two that are not used: a register's half.
+/// Floats for one (l, m): the same six numbers, and two that pad half a register.
 inline constexpr int kHarmonicFloats = 8;
 
 /// Rows of pixels (interleaved floats) that 16 ring pairs differ in; lane q's even part is (a - b) + (c - d), its odd
@@ -103,7 +103,7 @@ struct LegendreRun {
 inline constexpr int kAnalysisGroups = 16;
 
 /// sums[4 fours, or 4 more if `fours` is odd][kHarmonicFloats] += over all lanes, column x Q(l); a group's column
-/// begins at columns + kColumnFloats group. `state`: room for [kAnalysisGroups][2][kRingLanes].
+/// begins at columns + kColumnFloats group. `state`: [kAnalysisGroups][2][kRingLanes] numbers of scratch.
 using AnalyseOrder = void (*)(const LegendreRun& run, const float* columns, double* state, float* sums);
 
 /// column of each group = sum over l of coefficients[4 fours][kHarmonicFloats] Q(l).

@@ -311,9 +311,9 @@ void Scheduler::dispatch_followers(JobRecord& job, AfterUnlock& work) {
     next->parent = nullptr;
     next->list = nullptr;
     next->failure = error_of(job);
-    if (next->where == CallPlace::at_once) {
+    if (next->where == CallSite::at_once) {
       work.at_once.splice(work.at_once.end(), node);
-    } else if (next->where == CallPlace::drain) {
+    } else if (next->where == CallSite::drain) {
       ComputationList& list = abandoned_ ? work.ended : drained_;
       list.splice(list.end(), node);
       undrained_.store(drained_.size(), std::memory_order_release);
@@ -397,7 +397,7 @@ bool Scheduler::attach(const std::shared_ptr<JobRecord>& parent, const std::shar
   }
   LockedState state(*this);
   const bool too_late =
-      parent->done && (child->where == CallPlace::drain ? abandoned_ : child->where == CallPlace::worker);
+      parent->done && (child->where == CallSite::drain ? abandoned_ : child->where == CallSite::worker);
   if (too_late && !job) return false;
   follow(*submission, state.work);
   return !too_late;

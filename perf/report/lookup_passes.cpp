@@ -151,8 +151,8 @@ std::vector<Measurement> from_file(const PassContext& context) {
   std::vector<Measurement> all;
   for (const Chain& chain : kChains) {
     const int mips = full_chain_levels(size) - full_chain_levels(chain.smallest) + 1;
-    PrefilterOptions options{.size = size, .roughness = mip_roughness(chain.schedule, mips, size)};
-    if (chain.fitted) options.lobe_roughness = fitted_mip_roughness(chain.schedule, mips, size);
+    PrefilterOptions options{.size = size, .mips = mips};
+    options.use_schedule(chain.schedule, chain.fitted);
     for (const double bound : kBounds) {
       options.rms_error = bound;
       const auto call = [&] { return prefilter_specular(read_environment(context.file).lat_long(), options).cubemap; };

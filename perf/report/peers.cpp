@@ -267,7 +267,7 @@ void Peers::add_webgl(const std::filesystem::path& file, int size, PeerChains& f
     std::ofstream(folder_ / "webgl_peers.mjs") << tool::embedded_text("webgl_peers.mjs");
     std::ofstream(folder_ / "webgl_peers.json") << Json{{"modules", node_modules_.string()},
                                                         {"browser", *browser_},
-                                                        {"picture", std::filesystem::absolute(file).string()},
+                                                        {"image", std::filesystem::absolute(file).string()},
                                                         {"size", size},
                                                         {"folder", folder_.string()}};
     (void)run_process({*node_, (folder_ / "webgl_peers.mjs").string(), (folder_ / "webgl_peers.json").string()}, 0,
@@ -310,11 +310,11 @@ PeerTables Peers::brdf_table(std::span<const int> sizes) const {
     const std::filesystem::path output = folder_ / ("dfg_" + std::to_string(size) + ".exr");
     const auto read = [&] {
       ReadOptions options;
-      options.layout = Layout::lat_long;  // any picture will do
-      const Environment picture = read_environment(output, options);
-      if (picture.info.width != size || picture.info.height != size)
+      options.layout = Layout::lat_long;  // any image will do
+      const Environment image = read_environment(output, options);
+      if (image.info.width != size || image.info.height != size)
         throw Error(ErrorCode::corrupt_file, "another size than requested");
-      return rows_from_below(picture.pixels.get(), size);
+      return rows_from_below(image.pixels.get(), size);
     };
     ask_cmgen<PeerTable>({"--size=" + std::to_string(size), "--ibl-dfg-multiscatter", "--ibl-dfg=" + output.string()},
                          kTable, square_words(size), read, found);

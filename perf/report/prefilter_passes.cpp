@@ -166,9 +166,10 @@ std::vector<Measurement> one_roughness(const PassContext& context, const Blur& b
 
 /// The chain of a pass: down to where cmgen ends, or the default one.
 PrefilterOptions shape_of(const std::string& pass, int size) {
-  const int mips = pass == kFromFile ? full_chain_levels(size) - full_chain_levels(kSmallestOfCmgen) + 1
-                                     : default_mip_count(RoughnessSchedule::filament, size);
-  return {.size = size, .roughness = mip_roughness(RoughnessSchedule::filament, mips, size)};
+  PrefilterOptions shape{.size = size};
+  if (pass == kFromFile) shape.mips = full_chain_levels(size) - full_chain_levels(kSmallestOfCmgen) + 1;
+  shape.use_schedule(RoughnessSchedule::filament);
+  return shape;
 }
 
 /// What a pass about a chain times. A lat-long's file is read in each call, a cubemap's before them.

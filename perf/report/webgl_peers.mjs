@@ -1,6 +1,6 @@
 // node gpu_peers.mjs CONFIGURATION.json
-// {"modules": folder that holds node_modules, "browser": Chromium's program, "picture": a Radiance .hdr, "size": texels along
-// an edge, "folder": where chains go}. three.js and Babylon.js prefilter the picture in a page, by WebGL. Writes each mip's six
+// {"modules": folder that holds node_modules, "browser": Chromium's program, "image": a Radiance .hdr, "size": texels along
+// an edge, "folder": where chains go}. three.js and Babylon.js prefilter the image in a page, by WebGL. Writes each mip's six
 // faces, RGB floats as the engine's texture has them, mip after mip, to FOLDER/ENGINE.f32 and prints [{engine, version, size,
 // mips}]. What is not installed or fails is left out.
 import { spawn } from "node:child_process";
@@ -28,7 +28,7 @@ async function three() {
   const THREE = await import("three");
   const { HDRLoader } = await import("three/addons/loaders/HDRLoader.js");
   const renderer = new THREE.WebGLRenderer();
-  const texture = await new HDRLoader().setDataType(THREE.FloatType).loadAsync("/picture.hdr");
+  const texture = await new HDRLoader().setDataType(THREE.FloatType).loadAsync("/image.hdr");
   texture.mapping = THREE.EquirectangularReflectionMapping;
   const target = new THREE.PMREMGenerator(renderer).fromEquirectangular(texture);
   const gl = renderer.getContext();
@@ -56,9 +56,9 @@ async function babylon() {
   await import("@babylonjs/core/Materials/Textures/baseTexture.polynomial.js");
   const engine = new Engine(document.getElementById("canvas"), false);
   const scene = new Scene(engine);
-  // With mips, harmonics, linear, prefiltered, supersampled: as its own documentation loads a picture.
+  // With mips, harmonics, linear, prefiltered, supersampled: as its own documentation loads an image.
   const texture = await new Promise((done, failed) => {
-    const made = new HDRCubeTexture("/picture.hdr", scene, SIZE, false, true, false, true, () => done(made),
+    const made = new HDRCubeTexture("/image.hdr", scene, SIZE, false, true, false, true, () => done(made),
                                     (message) => failed(new Error(message)), true);
   });
   const size = texture.getSize().width;
@@ -106,7 +106,7 @@ const server = createServer(async (request, response) => {
     if (name === "/trouble") return console.error(body.toString());
     return writeFileSync(join(wanted.folder, name), body);
   }
-  const path = name === "/picture.hdr" ? wanted.picture : join(wanted.modules, name);
+  const path = name === "/image.hdr" ? wanted.image : join(wanted.modules, name);
   if (name === "/") { response.setHeader("content-type", "text/html"); return response.end(page); }
   if (!existsSync(path)) { console.error("missing " + name); return response.writeHead(404).end(); }
   response.setHeader("content-type", name.endsWith(".js") ? "text/javascript" : "application/octet-stream");

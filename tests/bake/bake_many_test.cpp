@@ -220,21 +220,21 @@ TEST_CASE("targets: a bake writes the texels that store_texels writes of its res
 }
 
 TEST_CASE("targets: what has none stays in the result, and what formats cannot hold is counted", "[bake]") {
-  TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 5);
-  picture.pixels[0] = 1e9F;
+  TestLatLong image = make_lat_long(Content::smooth, 32, 16, 5);
+  image.pixels[0] = 1e9F;
   const BakeOptions options = quick_bake();
   Block background(TexelFormat::rgba16f, 16, 5);
-  const BakeResult result = bake_to({.background = background.targets}, picture.view(), options);
+  const BakeResult result = bake_to({.background = background.targets}, image.view(), options);
   CHECK(result.values_clamped > 0);
   CHECK(result.specular->cubemap.levels() == 3);
   CHECK(result.irradiance.has_value());
-  CHECK(bake_to({}, picture.view(), options).background->levels() == 5);
+  CHECK(bake_to({}, image.view(), options).background->levels() == 5);
 }
 
 TEST_CASE("targets: those that do not fit are refused before anything is written", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::smooth, 32, 16, 5);
+  const TestLatLong image = make_lat_long(Content::smooth, 32, 16, 5);
   const auto refused = [&](const BakeTargets& targets, const BakeOptions& options) {
-    return thrown_by([&] { static_cast<void>(bake_to(targets, picture.view(), options)); });
+    return thrown_by([&] { static_cast<void>(bake_to(targets, image.view(), options)); });
   };
   Block specular(TexelFormat::rgba16f, 8, 3);
   Block background(TexelFormat::rgba16f, 16, 4);
@@ -253,16 +253,16 @@ TEST_CASE("targets: those that do not fit are refused before anything is written
 }
 
 TEST_CASE("memory: chains of results are taken from the caller's resource, and given back to it", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
+  const TestLatLong image = make_lat_long(Content::high_range, 32, 16, 5);
   CountingResource memory;
   const Control control{.memory = &memory};
   {
-    const BakeResult result = bake(picture.view(), quick_bake(), control);
+    const BakeResult result = bake(image.view(), quick_bake(), control);
     CHECK(memory.held() == result.background->bytes() + result.specular->cubemap.bytes());
-    const BakeResult same = bake(picture.view(), quick_bake());
+    const BakeResult same = bake(image.view(), quick_bake());
     CHECK(std::ranges::equal(std::span(result.background->face(0, 0), result.background->bytes() / sizeof(float)),
                              std::span(same.background->face(0, 0), same.background->bytes() / sizeof(float))));
-    const Cubemap cube = to_cubemap(picture.view(), 8);
+    const Cubemap cube = to_cubemap(image.view(), 8);
     const std::size_t before = memory.held();
     const Cubemap mips = build_mips(cube.view(), MipFilter::box, std::nullopt, control);
     CHECK(memory.held() == before + mips.bytes());
@@ -275,14 +275,14 @@ TEST_CASE("memory: chains of results are taken from the caller's resource, and g
 }
 
 TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bake][cache]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 5);
+  const TestLatLong image = make_lat_long(Content::high_range, 32, 16, 5);
   ResultCache cache({.memory_bytes = 1 << 20});
   const BakeOptions options = quick_bake();
   BakeOptions others = options;
   others.specular->roughness = {0.0, 0.3, 0.8};
   for (const BakeOptions& each : {options, options, others}) {  // nothing is known, all, and two mips of three
     CountingResource memory;
-    const BakeResult result = cache.bake(picture.view(), each, {.memory = &memory});
+    const BakeResult result = cache.bake(image.view(), each, {.memory = &memory});
     const std::size_t bytes = result.background->bytes() + result.specular->cubemap.bytes();
     CHECK(memory.held() == bytes);
     CHECK(memory.taken() == bytes);

@@ -3,7 +3,7 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/heap.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -58,8 +58,8 @@ std::filesystem::path write_ktx2(const TemporaryDirectory& directory, const std:
 
 TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
   const TemporaryDirectory directory;
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
-  write_environment(directory.file("sky.pfm"), picture.view());
+  const TestLatLong image = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), image.view());
   std::vector<double> reports;
   const Control control{{}, [&](double done) { reports.push_back(done); }};
   BakeResult found = bake_file(directory.file("sky.pfm"), {}, small_bake(), control);
@@ -71,7 +71,7 @@ TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
   CHECK(found.diagnostics.passes.front().reason.find("PFM") != std::string::npos);
   CHECK(!found.stored_polynomial);
   found.diagnostics.passes.erase(found.diagnostics.passes.begin());
-  CHECK(same_bits(found, bake(picture.view(), small_bake())));
+  CHECK(same_bits(found, bake(image.view(), small_bake())));
 }
 
 TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][codec]") {
@@ -91,7 +91,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   CHECK(same_bits(found.diagnostics.total_radiance, stored.diagnostics.total_radiance));
   CHECK(found.diagnostics.texels == 6 * 16 * 16);
 
-  // More bands are not in it. RGBD rounds to some parts of a thousand: the same picture, the same way round.
+  // More bands are not in it. RGBD rounds to some parts of a thousand: the same image, the same way round.
   BakeOptions more = small_bake();
   more.bands = 4;
   const BakeResult projected = bake_file(path, {}, more);
@@ -109,8 +109,8 @@ TEST_CASE("Files that cannot be baked say why", "[bake][codec]") {
   CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("none.hdr"))); }).code == ErrorCode::file_access);
   write_bytes(directory.file("text.hdr"), {'n', 'o'});
   CHECK(thrown_by([&] { static_cast<void>(bake_file(directory.file("text.hdr"))); }).says("text.hdr"));
-  const TestLatLong picture = make_lat_long(Content::nan_bearing, 64, 32, 3);
-  write_environment(directory.file("nan.pfm"), picture.view());
+  const TestLatLong image = make_lat_long(Content::nan_bearing, 64, 32, 3);
+  write_environment(directory.file("nan.pfm"), image.view());
   BakeOptions options = small_bake();
   options.pixels.nan = NonFinitePolicy::reject;
   const ThrownError error = thrown_by([&] { static_cast<void>(bake_file(directory.file("nan.pfm"), {}, options)); });
@@ -241,11 +241,11 @@ TEST_CASE("A cached bake of a file is the bake of the file, whatever was baked o
 }
 
 TEST_CASE("A cached plan leaves out what it left out before, and says why", "[plan]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
-  const Plan planned = plan(picture.view(), {.glossy = std::nullopt, .background = false}, whole_bake());
+  const TestLatLong image = make_lat_long(Content::high_range, 64, 32, 3);
+  const Plan planned = plan(image.view(), {.glossy = std::nullopt, .background = false}, whole_bake());
   ResultCache cache;
   for (int round = 0; round < 2; ++round) {
-    const BakeResult found = cache.bake(picture.view(), planned);
+    const BakeResult found = cache.bake(image.view(), planned);
     CHECK(pass_named(found, "specular").reason == planned.pass("specular").reason);
     CHECK(pass_named(found, "project").action == (round == 0 ? PassAction::run : PassAction::reuse));
   }
@@ -266,9 +266,9 @@ TEST_CASE("A DDS cannot say what its levels are, a caller can", "[plan][codec]")
 }
 
 TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 32, 16, 7);
+  const TestLatLong image = make_lat_long(Content::high_range, 32, 16, 7);
   const TemporaryFile file("sky.hdr");
-  write_environment(file, picture.view());
+  write_environment(file, image.view());
   const SceneNeeds needs{.glossy = std::nullopt, .background = false};
   BakeOptions options;
   options.irradiance->size = 512;
@@ -308,10 +308,10 @@ PassAction action(const SkyPlan& plan, const std::string& pass) { return plan.pa
 
 TEST_CASE("A panorama whose light alone is used is projected while it is read", "[plan][codec]") {
   const TemporaryDirectory directory;
-  const TestLatLong picture = make_lat_long(Content::high_range, 64, 32, 3);
-  write_environment(directory.file("sky.pfm"), picture.view());
+  const TestLatLong image = make_lat_long(Content::high_range, 64, 32, 3);
+  write_environment(directory.file("sky.pfm"), image.view());
   const StoredEnvironment file = inspect_stored_environment(directory.file("sky.pfm"));
-  const BakeResult whole = bake(picture.view(), whole_bake());
+  const BakeResult whole = bake(image.view(), whole_bake());
   const Plan light = plan(file, {.irradiance_cubemap = false, .glossy = std::nullopt, .background = false});
   CHECK(light.streams);
   CHECK(light.pass("read").bytes == 0);
@@ -323,7 +323,7 @@ TEST_CASE("A panorama whose light alone is used is projected while it is read", 
   CHECK(same_bits(baked.specular->cubemap, whole.specular->cubemap));
   CHECK(same_bits(*baked.background, *whole.background));
   CHECK(same_bits(*baked.irradiance, *whole.irradiance));
-  CHECK(thrown_by([&] { static_cast<void>(bake(file, plan(picture.view(), {}))); }).says("plan again"));
+  CHECK(thrown_by([&] { static_cast<void>(bake(file, plan(image.view(), {}))); }).says("plan again"));
 }
 
 TEST_CASE("What a planet has not is planned without", "[plan][sky]") {

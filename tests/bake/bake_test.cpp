@@ -65,39 +65,39 @@ TEST_CASE("A uniform environment bakes to itself at any size", "[bake][slow]") {
 }
 
 TEST_CASE("Each result of a bake is what its own call gives", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 80, 40, 3);
+  const TestLatLong image = make_lat_long(Content::high_range, 80, 40, 3);
   BakeOptions options = small_bake();
   options.background->size = 21;
   options.bands = 4;
   options.irradiance->method = IrradianceMethod::harmonics;
-  const BakeResult result = bake(picture.view(), options);
+  const BakeResult result = bake(image.view(), options);
   REQUIRE(result.background->size() == 21);
   REQUIRE(result.background->levels() == 5);
-  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(picture.view(), 21))));
-  CHECK(same_bits(*result.background, build_mips(to_cubemap(picture.view(), 21).view())));
+  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(image.view(), 21))));
+  CHECK(same_bits(*result.background, build_mips(to_cubemap(image.view(), 21).view())));
   REQUIRE(result.specular);
-  CHECK(same_bits(result.specular->cubemap, prefilter_specular(picture.view(), *options.specular).cubemap));
+  CHECK(same_bits(result.specular->cubemap, prefilter_specular(image.view(), *options.specular).cubemap));
   REQUIRE(result.radiance);
   ProjectionOptions projecting{.bands = 4};
-  const Projection projection = project(picture.view(), projecting);
+  const Projection projection = project(image.view(), projecting);
   CHECK(same_bytes(result.radiance->coefficients(), projection.radiance.coefficients()));
   CHECK(same_bits(*result.irradiance, irradiance_cubemap(irradiance_from_radiance(projection.radiance), 5)));
   CHECK(result.brdf == brdf_table(*options.brdf));
   CHECK(same_bits(result.diagnostics.total_radiance, projection.diagnostics.total_radiance));
   CHECK(result.diagnostics.texels == 80 * 40);
   CHECK(result.peak_bytes > 12 * 80 * 40);
-  CHECK(result.peak_bytes <= bake_bytes(picture.view(), options));
+  CHECK(result.peak_bytes <= bake_bytes(image.view(), options));
 }
 
 TEST_CASE("A background as large as the specular cubemap is its mip 0", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::sun_disc, 120, 60, 4);
-  const BakeResult result = bake(picture.view(), small_bake(32));
+  const TestLatLong image = make_lat_long(Content::sun_disc, 120, 60, 4);
+  const BakeResult result = bake(image.view(), small_bake(32));
   REQUIRE(result.background->size() == 32);
   CHECK(same_bytes(level_values(*result.background, 0), level_values(result.specular->cubemap, 0)));
-  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(picture.view(), 32))));
+  CHECK(same_bytes(level_values(*result.background, 0), span_of(to_cubemap(image.view(), 32))));
   BakeOptions rough = small_bake(32);
   rough.specular->roughness = {0.4, 0.8};
-  const BakeResult other = bake(picture.view(), rough);
+  const BakeResult other = bake(image.view(), rough);
   CHECK(same_bits(*other.background, *result.background));
   CHECK(!same_bytes(level_values(*other.background, 0), level_values(other.specular->cubemap, 0)));
 }
@@ -144,12 +144,12 @@ TEST_CASE("What was not asked for is left out, and the records say why", "[bake]
 }
 
 TEST_CASE("Irradiance can be convolved directly", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::smooth, 24, 12, 5);
+  const TestLatLong image = make_lat_long(Content::smooth, 24, 12, 5);
   BakeOptions options = small_bake();
   options.irradiance->method = IrradianceMethod::direct;
   options.bands = 0;
-  const BakeResult result = bake(picture.view(), options);
-  CHECK(same_bits(*result.irradiance, direct_irradiance_cubemap(picture.view(), 5)));
+  const BakeResult result = bake(image.view(), options);
+  CHECK(same_bits(*result.irradiance, direct_irradiance_cubemap(image.view(), 5)));
 }
 
 TEST_CASE("An earlier result's memory is used again", "[bake]") {
@@ -172,14 +172,14 @@ TEST_CASE("An earlier result's memory is used again", "[bake]") {
 }
 
 TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
-  // The same picture cleaned by hand: NaN 0, infinities 500, all above 500 too, negatives 0.
+  // The same image cleaned by hand: NaN 0, infinities 500, all above 500 too, negatives 0.
   for (const bool cube : {false, true}) {
-    TestLatLong picture = make_lat_long(Content::special_values, 48, 24, 8);
+    TestLatLong image = make_lat_long(Content::special_values, 48, 24, 8);
     TestCubemap cubemap = make_cubemap(Content::special_values, 20, 3, 8);
-    std::vector<float>& pixels = cube ? cubemap.pixels : picture.pixels;
+    std::vector<float>& pixels = cube ? cubemap.pixels : image.pixels;
     BakeOptions options = small_bake();
     options.pixels.clamp = RadianceClamp{500.0F};
-    const BakeResult found = cube ? bake(cubemap.view(), options) : bake(picture.view(), options);
+    const BakeResult found = cube ? bake(cubemap.view(), options) : bake(image.view(), options);
     CHECK(found.diagnostics.nans_replaced > 0);
     CHECK(found.diagnostics.infinities_replaced > 0);
     CHECK(found.diagnostics.texels_clamped > 0);
@@ -187,7 +187,7 @@ TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
       if (std::isnan(value)) value = 0.0F;
       value = std::clamp(value, 0.0F, 500.0F);
     }
-    const BakeResult clean = cube ? bake(cubemap.view(), small_bake()) : bake(picture.view(), small_bake());
+    const BakeResult clean = cube ? bake(cubemap.view(), small_bake()) : bake(image.view(), small_bake());
     CHECK(same_bits(*found.background, *clean.background));
     CHECK(same_bits(found.specular->cubemap, clean.specular->cubemap));
     REQUIRE(found.irradiance->pixels().size() == clean.irradiance->pixels().size());
@@ -220,10 +220,10 @@ TEST_CASE("Maps with infinities and black ones are baked", "[bake]") {
 }
 
 TEST_CASE("A bake's tiles allocate nothing", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 256, 128, 5);
-  static_cast<void>(bake(picture.view(), small_bake(64)));
+  const TestLatLong image = make_lat_long(Content::high_range, 256, 128, 5);
+  static_cast<void>(bake(image.view(), small_bake(64)));
   forget_allocations_in_tiles();
-  static_cast<void>(bake(picture.view(), small_bake(64)));
+  static_cast<void>(bake(image.view(), small_bake(64)));
   CHECK(allocations_in_tiles() == 0);
 }
 
@@ -274,18 +274,17 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
 // Promise: a bake that cannot be says so before it begins; one that is stopped or fails leaves nothing behind.
 
 TEST_CASE("Options that no bake can have are refused", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::smooth, 24, 12, 5);
+  const TestLatLong image = make_lat_long(Content::smooth, 24, 12, 5);
   const auto refused = [&](const std::function<void(BakeOptions&)>& change) {
     BakeOptions options = small_bake();
     change(options);
     bool worked = false;
     const ThrownError error = thrown_by([&] {
-      static_cast<void>(bake(picture.view(), options, {{}, [&](double) { worked = true; }}));
+      static_cast<void>(bake(image.view(), options, {{}, [&](double) { worked = true; }}));
     });
     CHECK(!worked);
     CHECK(error.code == ErrorCode::invalid_argument);
-    CHECK(thrown_by([&] { static_cast<void>(bake_bytes(picture.view(), options)); }).code ==
-          ErrorCode::invalid_argument);
+    CHECK(thrown_by([&] { static_cast<void>(bake_bytes(image.view(), options)); }).code == ErrorCode::invalid_argument);
     return error.message;
   };
   using Catch::Matchers::Contains;
@@ -317,13 +316,13 @@ TEST_CASE("Options that no bake can have are refused", "[bake]") {
 }
 
 TEST_CASE("A bake above its memory limit is refused before it begins", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::smooth, 64, 32, 5);
+  const TestLatLong image = make_lat_long(Content::smooth, 64, 32, 5);
   BakeOptions options = small_bake(64);
-  const std::uint64_t needed = bake_bytes(picture.view(), options);
+  const std::uint64_t needed = bake_bytes(image.view(), options);
   options.memory_limit_bytes = needed - 1;
   bool worked = false;
   const ThrownError error = thrown_by([&] {
-    static_cast<void>(bake(picture.view(), options, {{}, [&](double) { worked = true; }}));
+    static_cast<void>(bake(image.view(), options, {{}, [&](double) { worked = true; }}));
   });
   CHECK(error.code == ErrorCode::limit_exceeded);
   CHECK(error.says(std::to_string(needed)));
@@ -331,19 +330,19 @@ TEST_CASE("A bake above its memory limit is refused before it begins", "[bake]")
   CHECK(error.says("memory_limit_bytes"));
   CHECK(!worked);
   options.memory_limit_bytes = needed;
-  CHECK(bake(picture.view(), options).background->size() == 64);
+  CHECK(bake(image.view(), options).background->size() == 64);
   // The largest of everything does not overflow.
   BakeOptions huge;
   huge.background->size = 16384;
   huge.specular = PrefilterOptions{.size = 8192};
   huge.irradiance->size = 4096;
   huge.brdf = BrdfTableOptions{4096, 4096};
-  CHECK(bake_bytes(picture.view(), huge) > std::uint64_t{12} * 6 * 16384 * 16384);
-  CHECK(thrown_by([&] { static_cast<void>(bake(picture.view(), huge)); }).code == ErrorCode::limit_exceeded);
+  CHECK(bake_bytes(image.view(), huge) > std::uint64_t{12} * 6 * 16384 * 16384);
+  CHECK(thrown_by([&] { static_cast<void>(bake(image.view(), huge)); }).code == ErrorCode::limit_exceeded);
 }
 
 TEST_CASE("A bake stops at any point of its progress", "[bake]") {
-  const TestLatLong picture = make_lat_long(Content::high_range, 512, 256, 5);
+  const TestLatLong image = make_lat_long(Content::high_range, 512, 256, 5);
   for (const int threads : {1, 2}) {
     run_with_threads(threads, [&] {
       for (const double at : {0.0, 0.1, 0.5, 0.9}) {
@@ -352,15 +351,15 @@ TEST_CASE("A bake stops at any point of its progress", "[bake]") {
         const Control control{source.get_token(), [&](double done) {
                                 if (done >= at) source.request_stop();
                               }};
-        CHECK(outcome_of([&] { static_cast<void>(bake(picture.view(), small_bake(64), control)); }) == "cancelled");
+        CHECK(outcome_of([&] { static_cast<void>(bake(image.view(), small_bake(64), control)); }) == "cancelled");
       }
       // Before the first tile, and after the last.
       stop_source source;
       const Control late{source.get_token(), [&](double done) {
                            if (done == 1.0) source.request_stop();
                          }};
-      CHECK(outcome_of([&] { static_cast<void>(bake(picture.view(), small_bake(64), late)); }) == "result");
-      CHECK(outcome_of([&] { static_cast<void>(bake(picture.view(), small_bake(64), late)); }) == "cancelled");
+      CHECK(outcome_of([&] { static_cast<void>(bake(image.view(), small_bake(64), late)); }) == "result");
+      CHECK(outcome_of([&] { static_cast<void>(bake(image.view(), small_bake(64), late)); }) == "cancelled");
     });
   }
 }
@@ -382,9 +381,9 @@ TEST_CASE("What stops a bake comes out of it", "[bake]") {
 }
 
 TEST_CASE("A bake runs out of memory cleanly wherever it does", "[bake][slow]") {
-  const TestLatLong picture = make_lat_long(Content::special_values, 40, 20, 5);
+  const TestLatLong image = make_lat_long(Content::special_values, 40, 20, 5);
   const BakeOptions options = small_bake(8);
-  const BakeResult expected = bake(picture.view(), options);
+  const BakeResult expected = bake(image.view(), options);
   for (const bool for_good : {false, true}) {
     bool failed = true;
     for (long number = 1; failed; number += stride(kSanitized ? 101 : 17)) {
@@ -394,7 +393,7 @@ TEST_CASE("A bake runs out of memory cleanly wherever it does", "[bake][slow]") 
       BakeResult result;
       {
         const FailingHeap heap(Heap::this_thread, number, for_good);
-        end = outcome_of([&] { result = bake(picture.view(), options); });
+        end = outcome_of([&] { result = bake(image.view(), options); });
         failed = heap.failed();
       }
       if (!failed) CHECK(end == "result");

@@ -71,8 +71,8 @@ void check_all_needs(const EnvironmentView& view, const BakeOptions& options) {
 
 TEST_CASE("A panorama baked by a plan has the bits of a bake by the plan's options", "[plan]") {
   for (const Content content : {Content::high_range, Content::one_texel_sun}) {
-    const TestLatLong picture = make_lat_long(content, 96, 48, 7);
-    check_all_needs(picture.view(), whole_bake());
+    const TestLatLong image = make_lat_long(content, 96, 48, 7);
+    check_all_needs(image.view(), whole_bake());
   }
 }
 

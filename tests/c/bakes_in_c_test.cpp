@@ -75,9 +75,9 @@ void require_same(const welkin_chain* chain, const PrefilteredSpecular& expected
 TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]") {
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::high_range, 8, 4, 1);
-  const auto picture = make_lat_long(Content::high_range, 16, 8, 2);
+  const auto image = make_lat_long(Content::high_range, 16, 8, 2);
   const welkin_environment cube_view = c_view(cube.view());
-  const welkin_environment lat_long_view = c_view(picture.view());
+  const welkin_environment lat_long_view = c_view(image.view());
   const auto policy = clamping_policy();
   bool posts = false;  // one kind of source each time, the other the next time
   for (const welkin_prefilter_options& asked : wanted_reflections(&policy)) {
@@ -96,7 +96,7 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]
       posts = !posts;
     };
     check(cube_view, prefilter_specular(cube.view(), options));
-    check(lat_long_view, prefilter_specular(picture.view(), options));
+    check(lat_long_view, prefilter_specular(image.view(), options));
     posts = !posts;
   }
 }
@@ -239,9 +239,9 @@ void require_same(const welkin_bake_result* result, const BakeResult& expected) 
 TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow]") {
   const CWorker worker(2);
   const auto cube = make_cubemap(Content::high_range, 16, 3, 1);
-  const auto picture = make_lat_long(Content::high_range, 64, 32, 2);
+  const auto image = make_lat_long(Content::high_range, 64, 32, 2);
   const welkin_environment cube_view = c_view(cube.view());
-  const welkin_environment lat_long_view = c_view(picture.view());
+  const welkin_environment lat_long_view = c_view(image.view());
   BakeParts parts;
   bool posts = false;  // one kind of source each time, the other the next time
   for (const welkin_bake_options& asked : wanted_bakes(parts)) {
@@ -260,7 +260,7 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
       posts = !posts;
     };
     check(cube_view, bake(cube.view(), options));
-    check(lat_long_view, bake(picture.view(), options));
+    check(lat_long_view, bake(image.view(), options));
     posts = !posts;
   }
 }
@@ -345,8 +345,8 @@ TEST_CASE("C: BRDF tables and irradiance cubemaps have the C++ calls' bits", "[c
     REQUIRE(welkin_brdf_table(&options, nullptr, &target, nullptr) == WELKIN_INVALID_ARGUMENT);
   }
 
-  const auto picture = make_lat_long(Content::smooth, 32, 16, 1);
-  const auto irradiance = irradiance_from_radiance(project(picture.view(), {.bands = 4}).radiance);
+  const auto image = make_lat_long(Content::smooth, 32, 16, 1);
+  const auto irradiance = irradiance_from_radiance(project(image.view(), {.bands = 4}).radiance);
   const Cubemap expected = irradiance_cubemap(irradiance, 12);
   std::vector<float> texels(expected.pixels().size());
   const welkin_target target = c_target(texels, 12);

@@ -10,7 +10,7 @@
 
 namespace welkin::test {
 
-// The tests' pictures as C callers describe them.
+// The tests' images as C callers describe them.
 
 inline welkin_environment c_view(const CubemapView& view) {
   welkin_environment cubemap;

@@ -138,9 +138,9 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
   const unsigned seed = 20261121;
   INFO("seed " << seed);
   std::mt19937 random(seed);
-  const auto picture = make_lat_long(Content::random, 8, 4, 1);
-  // Dimensions stay: a larger picture than there is cannot be told from a good one.
-  auto sound_view = c_view(picture.view());
+  const auto image = make_lat_long(Content::random, 8, 4, 1);
+  // Dimensions stay: a larger image than there is cannot be told from a good one.
+  auto sound_view = c_view(image.view());
   auto sound_options = c_struct<welkin_projection_options>();
   sound_options.bands = 2;
   constexpr std::size_t kOptionWords = offsetof(welkin_projection_options, pixels) / 4;
@@ -157,7 +157,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
     const CWorker worker(1);
     for (int run = 0; run < 3000; ++run) {
       Noisy<welkin_projection_options> options(sound_options, kOptionWords, random);
-      // Formats of more bytes would read past the picture: of its first half in f32, any other stays inside.
+      // Formats of more bytes would read past the image: of its first half in f32, any other stays inside.
       sound_view.height = 2;
       Noisy<welkin_environment> view(sound_view, kViewWords, random);
       auto light = c_struct<welkin_projection>();
@@ -428,9 +428,9 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
 
 TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
   const CWorker worker(2);
-  const auto picture = make_lat_long(Content::high_range, 128, 64, 3);
-  const welkin_environment view = c_view(picture.view());
-  check_projections([&](const auto& options) { return project(picture.view(), options); },
+  const auto image = make_lat_long(Content::high_range, 128, 64, 3);
+  const welkin_environment view = c_view(image.view());
+  check_projections([&](const auto& options) { return project(image.view(), options); },
                     [&](const auto* options, auto* light) { return welkin_project(&view, 1, options, nullptr, light); },
                     [&](const auto* options, auto** job) {
                       return welkin_post_project(worker.get(), &view, 1, options, nullptr, job);
@@ -440,8 +440,8 @@ TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
 TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {
   const CWorker worker(2);
   const TemporaryDirectory directory;
-  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 4);
-  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
+  const auto image = make_lat_long(Content::sun_disc, 64, 32, 4);
+  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", image.pixels));
   const std::string path = directory.file("sky.pfm").string();
   auto reading = c_struct<welkin_read_options>();
   reading.layout = WELKIN_LAYOUT_LAT_LONG;

@@ -424,27 +424,27 @@ TEST_CASE("C: every field of environments and targets is read", "[c_interface]")
     for (std::size_t face = 0; face < 6; ++face) faces[face] = memory.data() + step * (face + 1);
   };
   // Pointers into one array share their upper halves (faces[0] is never null), and sizes have 32 bits in fields of 64.
-  const auto check = [&]<class Picture>(Picture picture, const auto& read, std::ptrdiff_t padding) {
-    picture.size = 4;
-    fill_faces(picture.faces, 64);
-    check_fields<Picture>(picture, read(&picture), read,
-                          {{"format", [](Picture& p) { p.format = WELKIN_FORMAT_RGBA_F16; }},
-                           {"row_stride_bytes", [](Picture& p) { p.row_stride_bytes = -64; }},
-                           {"faces", [&](Picture& p) { fill_faces(p.faces, 68); }},
-                           {"size, width and height",
-                            [](Picture& p) {
-                              p.size = 0;
-                              p.width = 8;
-                              p.height = 4;
-                              std::fill(std::begin(p.faces) + 1, std::end(p.faces), nullptr);
-                            }}},
-                          padding);
+  const auto check = [&]<class Image>(Image image, const auto& read, std::ptrdiff_t padding) {
+    image.size = 4;
+    fill_faces(image.faces, 64);
+    check_fields<Image>(image, read(&image), read,
+                        {{"format", [](Image& p) { p.format = WELKIN_FORMAT_RGBA_F16; }},
+                         {"row_stride_bytes", [](Image& p) { p.row_stride_bytes = -64; }},
+                         {"faces", [&](Image& p) { fill_faces(p.faces, 68); }},
+                         {"size, width and height",
+                          [](Image& p) {
+                            p.size = 0;
+                            p.width = 8;
+                            p.height = 4;
+                            std::fill(std::begin(p.faces) + 1, std::end(p.faces), nullptr);
+                          }}},
+                        padding);
   };
   check(
       c_struct<welkin_environment>(), [](const welkin_environment* e) { return c_interface::environment_view(e); }, 2);
   const auto target = [](const welkin_target* given) {
     const c_interface::Target read = c_interface::target_of(given);
-    return std::tuple(read.pictures, read.count, read.width, read.height, read.stride, read.layout.channels,
+    return std::tuple(read.images, read.count, read.width, read.height, read.stride, read.layout.channels,
                       read.layout.halves);
   };
   check(c_struct<welkin_target>(), target, 2);

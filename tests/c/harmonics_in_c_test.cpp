@@ -16,10 +16,10 @@
 namespace welkin::test {
 
 TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_interface]") {
-  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
+  const auto image = make_lat_long(Content::sun_disc, 64, 32, 5);
   for (const int bands : {1, 3, 6}) {
     INFO("bands " << bands);
-    const SphericalHarmonics light = project(picture.view(), {.bands = bands}).radiance;
+    const SphericalHarmonics light = project(image.view(), {.bands = bands}).radiance;
     const auto radiance = plain(light);
     std::vector<double> made(radiance.size());
 
@@ -63,9 +63,9 @@ TEST_CASE("C: turned and windowed harmonics have the C++ calls' bits", "[c_inter
 }
 
 TEST_CASE("C: what is made of coefficients has the C++ calls' bits", "[c_interface]") {
-  const auto picture = make_lat_long(Content::sun_disc, 64, 32, 5);
+  const auto image = make_lat_long(Content::sun_disc, 64, 32, 5);
   for (const int bands : {1, 2, 3, 5}) {
-    const Projection light = project(picture.view(), {.bands = bands});
+    const Projection light = project(image.view(), {.bands = bands});
     const std::vector<double> radiance = plain(light.radiance);
     const SphericalHarmonics expected = irradiance_from_radiance(light.radiance);
     std::vector<double> irradiance(radiance.size());

@@ -159,7 +159,7 @@ TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
       const Cubemap cubemap = sky_cubemap(expected, sun, 8, {disc});
       std::vector<float> texels(cubemap.pixels().size());
       const welkin_target target = c_target(texels, 8);
-      REQUIRE(welkin_sky_view_picture(view.handle, c_sun.data(), sun_disc, nullptr, &target, nullptr) == WELKIN_OK);
+      REQUIRE(welkin_sky_view_image(view.handle, c_sun.data(), sun_disc, nullptr, &target, nullptr) == WELKIN_OK);
       REQUIRE(same_texels(texels, cubemap.pixels()));
 
       const LatLongImage lat_long = sky_lat_long(expected, sun, 8, {disc});
@@ -168,10 +168,10 @@ TEST_CASE("C: views of a sky have the C++ calls' bits", "[c_interface]") {
       image.faces[0] = texels.data();
       image.width = 16;
       image.height = 8;
-      REQUIRE(welkin_sky_view_picture(view.handle, c_sun.data(), sun_disc, nullptr, &image, nullptr) == WELKIN_OK);
+      REQUIRE(welkin_sky_view_image(view.handle, c_sun.data(), sun_disc, nullptr, &image, nullptr) == WELKIN_OK);
       REQUIRE(same_texels(texels, lat_long.pixels));
       image.width = 15;
-      REQUIRE(welkin_sky_view_picture(view.handle, c_sun.data(), sun_disc, nullptr, &image, nullptr) ==
+      REQUIRE(welkin_sky_view_image(view.handle, c_sun.data(), sun_disc, nullptr, &image, nullptr) ==
               WELKIN_INVALID_ARGUMENT);
 
       auto reflections = c_struct<welkin_prefilter_options>();

@@ -279,8 +279,8 @@ struct Reflections {
 TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c_interface]") {
   const CWorker worker(2);
   const TemporaryDirectory directory;
-  const auto picture = make_lat_long(Content::high_range, 64, 32, 4);
-  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", picture.pixels));
+  const auto image = make_lat_long(Content::high_range, 64, 32, 4);
+  write_bytes(directory.file("sky.pfm"), pfm_bytes(64, 32, false, "-1.0", image.pixels));
   const std::string path = directory.file("sky.pfm").string();
   auto specular = c_struct<welkin_prefilter_options>();
   specular.size = 16;

@@ -256,7 +256,7 @@ std::vector<EntryName> names_in(const std::filesystem::path& folder) {
 TEST_CASE("entries: whole ones of another shape than was asked for are computed anew") {
   const TemporaryDirectory directory;
   const CacheOptions options{.folder = directory.file("cache"), .memory_bytes = 0};
-  const TestLatLong picture = make_lat_long(Content::random, 32, 16, 3);
+  const TestLatLong image = make_lat_long(Content::random, 32, 16, 3);
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   BakeOptions baking{.specular = PrefilterOptions{.size = 8, .mips = 2}};
   baking.irradiance->size = 4;
@@ -272,8 +272,8 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
                             .orders = 1};
   const auto check_all = [&] {
     ResultCache cache(options);
-    const BakeResult found = cache.bake(picture.view(), baking);
-    const BakeResult truth = bake(picture.view(), baking);
+    const BakeResult found = cache.bake(image.view(), baking);
+    const BakeResult truth = bake(image.view(), baking);
     CHECK(same_bits(*found.irradiance, *truth.irradiance));
     REQUIRE(found.background->size() == truth.background->size());
     CHECK(same_bytes<float>({found.background->face(0, 0), found.background->bytes() / 4},
@@ -365,9 +365,9 @@ TEST_CASE("entries: no memory is taken for more than an entry of its kind can ha
   CHECK(folder.counts().damaged == 1);
 
   // A sparse file of a terabyte whose header says so, under the name of a projection's entry.
-  const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
+  const TestLatLong image = make_lat_long(Content::smooth, 16, 8, 3);
   const CacheOptions options{.folder = place, .memory_bytes = 0, .disk_bytes = std::uint64_t{1} << 50U};
-  static_cast<void>(ResultCache(options).project(picture.view()));
+  static_cast<void>(ResultCache(options).project(image.view()));
   REQUIRE(files_in(place).size() == 1);
   const std::filesystem::path entry = files_in(place).front();
   std::vector<char> bytes = read_bytes(entry);
@@ -381,7 +381,7 @@ TEST_CASE("entries: no memory is taken for more than an entry of its kind can ha
   std::filesystem::resize_file(entry, payload + cache::kEntryHeaderBytes, unsupported);
   if (unsupported) return;  // a file system without sparse files
   ResultCache cache(options);
-  CHECK(cache.project(picture.view()).radiance.at(1, 0) == project(picture.view()).radiance.at(1, 0));
+  CHECK(cache.project(image.view()).radiance.at(1, 0) == project(image.view()).radiance.at(1, 0));
   CHECK(cache.statistics().damaged == 1);
 }
 

@@ -71,8 +71,6 @@ EXCEPTIONS = [
     ("docs/index.md", "pictures", "the page"),
     ("docs/pictures.md", "pictures", "the page"),
     ("tools/engines/blender.md", "picture", "a name in its code"),
-    ("tools/sky_command.cpp", "picture", "the option --picture-height"),
-    ("perf/report/peers.cpp", "picture", "a key of its JSON"),
     ("perf/report/report_files.cpp", "truth", "a key of the report's JSON and CSV"),
 ]
 

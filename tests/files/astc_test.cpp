@@ -3,7 +3,7 @@
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-// Promises: KTX2 cubemaps and pictures are written in ASTC as KTX 2.0 and the data format specification have it, the
+// Promises: KTX2 cubemaps and images are written in ASTC as KTX 2.0 and the data format specification have it, the
 // same on any number of threads; they are read with every level, face and size, and are environments like others. What
 // the encoder itself loses is measured in docs/notes/textures.md; here it is only bounded.
 

@@ -151,7 +151,7 @@ bool is_near(std::span<const float> found, std::span<const float> wanted, float 
 
 }  // namespace
 
-TEST_CASE("pictures are written as BC6H and are environments", "[codec][textures][bc6h]") {
+TEST_CASE("images are written as BC6H and are environments", "[codec][textures][bc6h]") {
   const TemporaryDirectory directory;
   const std::pair<int, int> shapes[] = {{1, 1}, {4, 2}, {7, 3}, {50, 25}, {64, 32}};
   for (const auto& [width, height] : shapes) {

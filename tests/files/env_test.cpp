@@ -15,7 +15,7 @@
 
 namespace welkin::test {
 
-// Promises: an .env that we write is the one that we read, up to RGBD's rounding; its pictures and bytes do not depend
+// Promises: an .env that we write is the one that we read, up to RGBD's rounding; its images and bytes do not depend
 // on the number of threads; what it cannot hold is counted or refused.
 
 namespace {
@@ -102,7 +102,7 @@ bool is_rgbd_of(const Cubemap& written, const Cubemap& read) {
 
 }  // namespace
 
-TEST_CASE("an environment goes to Babylon.js's axes as a picture does: x changes its sign", "[codec][env]") {
+TEST_CASE("an environment goes to Babylon.js's axes as an image does: x changes its sign", "[codec][env]") {
   const Cubemap chain = noisy_chain(5, 3);
   SphericalHarmonics radiance(3);
   for (int l = 0; l < 3; ++l) {
@@ -208,13 +208,13 @@ TEST_CASE("an .env's irradiance texture and dominant direction come back", "[cod
   }
 }
 
-TEST_CASE("pictures in WebP without loss are the same light as in PNG, to the bit", "[codec][env]") {
+TEST_CASE("images in WebP without loss are the same light as in PNG, to the bit", "[codec][env]") {
   const TemporaryDirectory directory;
   for (const int size : {1, 4, 64}) {
     BabylonEnvironment environment = some_environment(size);
     environment.irradiance = some_irradiance(5);
     write_babylon_environment(directory.file("png.env"), environment);
-    write_bytes(directory.file("webp.env"), with_webp_pictures(read_bytes(directory.file("png.env"))));
+    write_bytes(directory.file("webp.env"), with_webp_images(read_bytes(directory.file("png.env"))));
     const BabylonEnvironment png = read_babylon_environment(directory.file("png.env"));
     const BabylonEnvironment webp = read_babylon_environment(directory.file("webp.env"));
     CHECK(same_bits(png.specular, webp.specular));
@@ -386,9 +386,9 @@ TEST_CASE("real .env files show their photographs, right way up and not mirrored
     if (!is_here(kShared / "hdr" / "cube" / file)) return;
     CAPTURE(file);
     const Cubemap chain = mirrored_x(read_babylon_environment(kShared / "hdr" / "cube" / file).specular);
-    const Environment picture = read_environment(kShared / "hdr" / "env" / photograph);
+    const Environment image = read_environment(kShared / "hdr" / "env" / photograph);
     const int size = chain.size() / 2;  // level 1 is nearly sharp
-    const Cubemap cubemap = to_cubemap(picture.lat_long(), size);
+    const Cubemap cubemap = to_cubemap(image.lat_long(), size);
     const int end = size - 1;
     const auto difference = [&](const auto& rotation) { return log_difference(cubemap, chain, 1, rotation); };
     const double as_it_is = difference([](int face, int column, int row) { return std::tuple(face, column, row); });

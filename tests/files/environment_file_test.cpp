@@ -8,8 +8,8 @@
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/exr_files.h"
+#include "support/images.h"
 #include "support/pfm_files.h"
-#include "support/pictures.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -37,8 +37,8 @@ struct Variant {
 
 }  // namespace
 
-TEST_CASE("one picture in every OpenEXR form is the same picture", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+TEST_CASE("one image in every OpenEXR form is the same image", "[codec][shared]") {
+  if (!shared_images_are_here()) {
     return;
   }
   const std::vector<float> truth = read_npy(kVariants / "truth_256x128.npy");
@@ -83,7 +83,7 @@ TEST_CASE("one picture in every OpenEXR form is the same picture", "[codec][shar
 }
 
 TEST_CASE("OpenEXR's cubes show the same scene as its lat-longs", "[codec][shared][slow]") {
-  if (!shared_pictures_are_here()) {
+  if (!shared_images_are_here()) {
     return;
   }
   const auto compare = [](const std::filesystem::path& cube, const std::filesystem::path& lat_long, double tolerance) {
@@ -98,7 +98,7 @@ TEST_CASE("OpenEXR's cubes show the same scene as its lat-longs", "[codec][share
     }
     return glm::dot(of_cube.brightest_direction, of_lat_long.brightest_direction);
   };
-  const std::filesystem::path env = kPictures / "env";
+  const std::filesystem::path env = kImages / "env";
   CHECK(compare(env / "openexr_KernerEnvCube.exr", env / "openexr_KernerEnvLatLong.exr", 0.03) > 0.999);
   compare(env / "openexr_WavyLinesCube.exr", env / "openexr_WavyLinesLatLong.exr", 0.03);
   const std::filesystem::path truth = kVariants / "zip_half_256x128.exr";
@@ -106,11 +106,11 @@ TEST_CASE("OpenEXR's cubes show the same scene as its lat-longs", "[codec][share
   CHECK(compare(kVariants / "cubemip64_exrenvmap.exr", truth, 0.03) > 0.99);
 }
 
-// Promises: Radiance pictures that other programs wrote, where they are at hand, decode to the pixels that are known to
+// Promises: Radiance images that other programs wrote, where they are at hand, decode to the pixels that are known to
 // be in them.
 
-TEST_CASE("one picture in every Radiance form is the same picture", "[codec][hdr][shared]") {
-  if (!shared_pictures_are_here()) {
+TEST_CASE("one image in every Radiance form is the same image", "[codec][hdr][shared]") {
+  if (!shared_images_are_here()) {
     return;
   }
   const std::vector<float> truth = read_npy(kVariants / "truth_256x128.npy");
@@ -157,20 +157,20 @@ TEST_CASE("one picture in every Radiance form is the same picture", "[codec][hdr
 }
 
 TEST_CASE("the Radiance environments have the extremes that are on record", "[codec][hdr][shared]") {
-  if (!shared_pictures_are_here()) {
+  if (!shared_images_are_here()) {
     return;
   }
   // From the shared manifest, which other programs made.
-  const EnvironmentStatistics spruit = measure_environment(kPictures / "env" / "spruit_sunrise_1k.hdr");
+  const EnvironmentStatistics spruit = measure_environment(kImages / "env" / "spruit_sunrise_1k.hdr");
   CHECK(spruit.maximum == glm::dvec3(222208.0, 154624.0, 44032.0));
-  const EnvironmentStatistics venice = measure_environment(kPictures / "env" / "venice_sunset_1k.hdr");
+  const EnvironmentStatistics venice = measure_environment(kImages / "env" / "venice_sunset_1k.hdr");
   CHECK(venice.maximum.r == 6496.0);
   CHECK(venice.maximum.g == 992.0);
-  const EnvironmentStatistics night = measure_environment(kPictures / "env" / "dikhololo_night_1k.hdr");
+  const EnvironmentStatistics night = measure_environment(kImages / "env" / "dikhololo_night_1k.hdr");
   CHECK(night.maximum == glm::dvec3(115.0, 63.5, 43.0));
 }
 
-// Promises: a picture's statistics are weighted by the solid angles that its texels have, leave out what is no number,
+// Promises: an image's statistics are weighted by the solid angles that its texels have, leave out what is no number,
 // and are the same bits however the file is cut and on any number of threads.
 
 namespace {
@@ -179,7 +179,7 @@ constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
-TEST_CASE("statistics of a known picture are what they must be", "[codec]") {
+TEST_CASE("statistics of a known image are what they must be", "[codec]") {
   const TemporaryFile path("known.pfm");
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -229,7 +229,7 @@ TEST_CASE("a uniform sphere has its own value as mean, in either layout", "[code
   }
 }
 
-TEST_CASE("a picture of nothing but NaN has zeros as statistics", "[codec]") {
+TEST_CASE("an image of nothing but NaN has zeros as statistics", "[codec]") {
   const TemporaryFile path("nothing.pfm");
   const std::vector<float> pixels(std::size_t{3} * 4 * 2, std::numeric_limits<float>::quiet_NaN());
   write_bytes(path, pfm_bytes(4, 2, false, "-1", pixels));
@@ -329,7 +329,7 @@ TEST_CASE("deep and multi-part files and unknown versions are refused by what th
   check_refusal(path, code, "flags 32", "save it as OpenEXR 2");
 }
 
-TEST_CASE("pictures too large for any layout are refused before they are read", "[codec]") {
+TEST_CASE("images too large for any layout are refused before they are read", "[codec]") {
   const TemporaryDirectory directory;
   const std::filesystem::path path = directory.file("vast.exr");
   const std::vector<float> pixels = some_pixels(65538, 1);
@@ -357,7 +357,7 @@ TEST_CASE("damaged PFM headers are refused by what is wrong with them", "[codec]
   check_text(path, "PFX\n2 1\n-1\n", ErrorCode::unsupported_file, "starts with \"PFX\"", "PF (colour) or Pf (grey)");
 }
 
-TEST_CASE("a picture above the memory limit is refused, a streamed one is not", "[codec]") {
+TEST_CASE("an image above the memory limit is refused, a streamed one is not", "[codec]") {
   const TemporaryFile path("sky.pfm");
   write_bytes(path, pfm_bytes(512, 256, false, "-1", some_pixels(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 12 - 1};
@@ -370,7 +370,7 @@ TEST_CASE("a picture above the memory limit is refused, a streamed one is not", 
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
 }
 
-// Promises: readers open a file anew; one that has become another picture meanwhile is refused, not read into memory
+// Promises: readers open a file anew; one that has become another image meanwhile is refused, not read into memory
 // that was made for the first.
 
 namespace {

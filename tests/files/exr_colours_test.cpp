@@ -217,7 +217,7 @@ TEST_CASE("primaries that make no colours are an error that names the attribute"
 namespace {
 
 // Each texel's colour is the direction that OpenEXR itself gives for its centre: it counts places in a face by its own
-// axes, and says where in the picture they lie. (Its face runs from the centre of its first texel to that of its last
+// axes, and says where in the image they lie. (Its face runs from the centre of its first texel to that of its last
 // one, ours over their areas: the place is stretched.)
 std::vector<float> directions_by_openexr(int size) {
   const Imath::Box2i window({0, 0}, {size - 1, 6 * size - 1});

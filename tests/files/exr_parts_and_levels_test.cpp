@@ -1,4 +1,4 @@
-// OpenEXR: parts, levels of mips, missing offset tables, and the pictures of OpenEXR's own tests.
+// OpenEXR: parts, levels of mips, missing offset tables, and the images of OpenEXR's own tests.
 #include <ImfFrameBuffer.h>
 #include <ImfTiledInputFile.h>
 
@@ -6,7 +6,7 @@
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -310,18 +310,18 @@ TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
   }
 }
 
-// Promises: every picture of OpenEXR's own reader tests that is at hand is read as OpenEXR reads it, or refused with a
+// Promises: every image of OpenEXR's own reader tests that is at hand is read as OpenEXR reads it, or refused with a
 // clear word.
 
 namespace {
 
-const std::filesystem::path kConformance = kPictures / "exr_conformance";
+const std::filesystem::path kConformance = kImages / "exr_conformance";
 
-std::filesystem::path picture(const std::string& name) { return kConformance / ("openexr_" + name + ".exr"); }
+std::filesystem::path image(const std::string& name) { return kConformance / ("openexr_" + name + ".exr"); }
 
 // None of them is an environment; any ratio can be taken for a lat-long.
 Environment read(const std::string& name, Primaries primaries = Primaries::rec709) {
-  return read_environment(picture(name), {.layout = Layout::lat_long, .primaries = primaries});
+  return read_environment(image(name), {.layout = Layout::lat_long, .primaries = primaries});
 }
 
 bool equal(const Environment& found, const std::vector<float>& wanted) {
@@ -330,7 +330,7 @@ bool equal(const Environment& found, const std::vector<float>& wanted) {
                     [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); });
 }
 
-// By how many halves' roundings (2^-11 of the texel's brightest channel) two pictures differ at the worst texel.
+// By how many halves' roundings (2^-11 of the texel's brightest channel) two images differ at the worst texel.
 double worst_in_halves(const Environment& found, const Environment& wanted) {
   REQUIRE(found.info.width == wanted.info.width);
   REQUIRE(found.info.height == wanted.info.height);
@@ -348,22 +348,22 @@ double worst_in_halves(const Environment& found, const Environment& wanted) {
 
 }  // namespace
 
-TEST_CASE("plain pictures are what the library reads", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+TEST_CASE("plain images are what the library reads", "[codec][shared]") {
+  if (!shared_images_are_here()) {
     return;
   }
   for (const char* name : {"BrightRings", "BrightRingsNanInf", "Rec709", "ColorCodedLevels"}) {
     CAPTURE(name);
-    CHECK(equal(read(name), read_exr_with_library(picture(name))));
+    CHECK(equal(read(name), read_exr_with_library(image(name))));
   }
   for (const char* name : {"Rec709_YC", "XYZ_YC", "Garden", "XYZ"}) {
     CAPTURE(name);
-    CHECK(equal(read(name, Primaries::as_stored), read_rgba_with_library(picture(name))));
+    CHECK(equal(read(name, Primaries::as_stored), read_rgba_with_library(image(name))));
   }
 }
 
 TEST_CASE("X, Y, Z become the Rec. 709 that they were made from", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+  if (!shared_images_are_here()) {
     return;
   }
   CHECK(worst_in_halves(read("XYZ"), read("Rec709")) < 6.0);
@@ -371,14 +371,14 @@ TEST_CASE("X, Y, Z become the Rec. 709 that they were made from", "[codec][share
 }
 
 TEST_CASE("all levels of the colour-coded mip map have its colours", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+  if (!shared_images_are_here()) {
     return;
   }
   ReadOptions options{.layout = Layout::lat_long};
-  REQUIRE(inspect_environment(picture("ColorCodedLevels"), options).levels.size() == 10);
+  REQUIRE(inspect_environment(image("ColorCodedLevels"), options).levels.size() == 10);
   std::vector<float> firsts;
   for (; options.level < 10; ++options.level) {
-    const Environment level = read_environment(picture("ColorCodedLevels"), options);
+    const Environment level = read_environment(image("ColorCodedLevels"), options);
     CHECK(level.info.width == 512 >> options.level);
     firsts.push_back(level.pixels[0] + 10.0F * level.pixels[1] + 100.0F * level.pixels[2]);
   }
@@ -386,36 +386,36 @@ TEST_CASE("all levels of the colour-coded mip map have its colours", "[codec][sh
   CHECK(std::unique(firsts.begin(), firsts.end()) - firsts.begin() >= 5);
 }
 
-TEST_CASE("each view of the stereo picture in parts is read", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+TEST_CASE("each view of the stereo image in parts is read", "[codec][shared]") {
+  if (!shared_images_are_here()) {
     return;
   }
   ReadOptions options{.layout = Layout::lat_long};
-  const EnvironmentInfo info = inspect_environment(picture("multipart.0001"), options);
+  const EnvironmentInfo info = inspect_environment(image("multipart.0001"), options);
   CHECK(info.parts.size() == 10);
   CHECK(info.width == 877);
-  const Environment right = read_environment(picture("multipart.0001"), options);
+  const Environment right = read_environment(image("multipart.0001"), options);
   options.part = "rgba_left";
-  const Environment left = read_environment(picture("multipart.0001"), options);
+  const Environment left = read_environment(image("multipart.0001"), options);
   CHECK_FALSE(std::equal(right.pixels.get(), right.pixels.get() + 877 * 876 * 3, left.pixels.get()));
-  CHECK(measure_environment(picture("multipart.0001"), options).maximum.x > 0.0);
+  CHECK(measure_environment(image("multipart.0001"), options).maximum.x > 0.0);
   options.part = "depth_left";
   CHECK(thrown_by([&] {
-          (void)inspect_environment(picture("multipart.0001"), options);
+          (void)inspect_environment(image("multipart.0001"), options);
         }).says("has channels Z; R, G and B, or Y alone or with RY and BY, are read"));
 }
 
 TEST_CASE("what is no environment says why", "[codec][shared]") {
-  if (!shared_pictures_are_here()) {
+  if (!shared_images_are_here()) {
     return;
   }
   CHECK(thrown_by([] {
-          (void)inspect_environment(picture("WideFloatRange"));
+          (void)inspect_environment(image("WideFloatRange"));
         }).says("has channels G; R, G and B, or Y alone or with RY and BY, are read: rename or convert"));
   for (const char* name : {"Rec709", "Garden", "XYZ_YC", "multipart.0001"}) {
-    CHECK(thrown_by([&] { (void)inspect_environment(picture(name)); }).says("neither a 2:1 lat-long"));
+    CHECK(thrown_by([&] { (void)inspect_environment(image(name)); }).says("neither a 2:1 lat-long"));
   }
-  CHECK(thrown_by([] { (void)inspect_environment(picture("BrightRings")); }).says("is square"));
+  CHECK(thrown_by([] { (void)inspect_environment(image("BrightRings")); }).says("is square"));
 }
 
 }  // namespace welkin::test

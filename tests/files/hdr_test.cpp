@@ -1,4 +1,4 @@
-// Radiance pictures: forms of scanlines, headers, refusals.
+// Radiance images: forms of scanlines, headers, refusals.
 #include "files/hdr_kernels.h"
 #include "files/row_source.h"
 #include "support/catch.h"
@@ -12,7 +12,7 @@
 
 namespace welkin::test {
 
-// Promises: a Radiance picture is the same picture in every form of its scanlines, from every corner, at every width,
+// Promises: a Radiance image is the same image in every form of its scanlines, from every corner, at every width,
 // in any pieces, on any number of threads.
 
 namespace {
@@ -31,7 +31,7 @@ void check_whole(const std::filesystem::path& path, const HdrRecipe& recipe, con
 
 }  // namespace
 
-TEST_CASE("all forms and orientations of a Radiance picture are the same picture", "[codec][hdr]") {
+TEST_CASE("all forms and orientations of a Radiance image are the same image", "[codec][hdr]") {
   const TemporaryFile path("sky.hdr");
   const std::vector<Rgbe> texels = some_rgbe(38, 19);
   for (const HdrForm form : {HdrForm::flat, HdrForm::old_rle, HdrForm::new_rle, HdrForm::mixed}) {
@@ -42,7 +42,7 @@ TEST_CASE("all forms and orientations of a Radiance picture are the same picture
   }
 }
 
-TEST_CASE("Radiance pictures of any width are read", "[codec][hdr]") {
+TEST_CASE("Radiance images of any width are read", "[codec][hdr]") {
   const TemporaryFile path("sky.hdr");
   for (const auto& [width, height] : {std::tuple{1, 1},
                                       {1, 9},
@@ -123,7 +123,7 @@ namespace {
 
 const std::string kRgbe = "FORMAT=32-bit_rle_rgbe";
 
-class Picture {
+class Image {
  public:
   Environment read(const std::vector<std::string>& lines, Primaries primaries = Primaries::rec709) const {
     HdrRecipe recipe{16, 8};
@@ -142,8 +142,8 @@ class Picture {
   std::vector<Rgbe> texels_ = some_rgbe(16, 8);
 };
 
-bool unchanged(const Picture& picture, const Environment& read) {
-  const std::vector<float> wanted = picture.values();
+bool unchanged(const Image& image, const Environment& read) {
+  const std::vector<float> wanted = image.values();
   return std::equal(wanted.begin(), wanted.end(), read.pixels.get());
 }
 
@@ -155,57 +155,57 @@ bool notes_say(const Environment& read, const std::string& words) {
 }  // namespace
 
 TEST_CASE("any magic word, comments and unknown lines are passed over", "[codec][hdr]") {
-  const Picture picture;
-  CHECK(unchanged(picture, picture.read({})));  // no FORMAT is RGBE
-  CHECK(unchanged(picture, picture.read({"#?RADIANCE", "# made by hand", "GAMMA=1", "VIEW= -vtv -vp 0 0 0",
-                                         "PIXASPECT=2.5", "SOFTWARE=none EXPOSURE=9", "rpict -vf x", "=", "EXPOSURE",
-                                         kRgbe, "PRIMARIES=0 0 0 0 0 0 0 0", "\tEXPOSURE=3", " COLORCORR=1"})));
+  const Image image;
+  CHECK(unchanged(image, image.read({})));  // no FORMAT is RGBE
+  CHECK(unchanged(image, image.read({"#?RADIANCE", "# made by hand", "GAMMA=1", "VIEW= -vtv -vp 0 0 0", "PIXASPECT=2.5",
+                                     "SOFTWARE=none EXPOSURE=9", "rpict -vf x", "=", "EXPOSURE", kRgbe,
+                                     "PRIMARIES=0 0 0 0 0 0 0 0", "\tEXPOSURE=3", " COLORCORR=1"})));
   for (const std::string magic : {"#?RGBE", "#?RADIANCE ", "#?", "#?rpict of 1991"}) {
     HdrRecipe recipe{16, 8};
     recipe.magic = magic;
-    write_bytes(picture.path(), hdr_bytes(recipe, picture.texels()));
-    CHECK(unchanged(picture, read_environment(picture.path())));
+    write_bytes(image.path(), hdr_bytes(recipe, image.texels()));
+    CHECK(unchanged(image, read_environment(image.path())));
   }
 }
 
 TEST_CASE("lines may end as on Windows, and the resolution line may have spaces", "[codec][hdr]") {
-  const Picture picture;
+  const Image image;
   for (const std::string header :
        {"#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 8 +X 16\r\n", "#?RADIANCE\n\n-Y8+X16\n",
         "#?RADIANCE\nFORMAT= 32-bit_rle_rgbe \n\n  -Y   8\t+X 16  \n"}) {
     CAPTURE(header);
-    const std::vector<char> sound = hdr_bytes({16, 8}, picture.texels());
+    const std::vector<char> sound = hdr_bytes({16, 8}, image.texels());
     std::vector<char> bytes(header.begin(), header.end());
     bytes.insert(bytes.end(), sound.begin() + static_cast<std::ptrdiff_t>(hdr_header({16, 8}).size()), sound.end());
-    write_bytes(picture.path(), bytes);
-    CHECK(unchanged(picture, read_environment(picture.path())));
+    write_bytes(image.path(), bytes);
+    CHECK(unchanged(image, read_environment(image.path())));
   }
 }
 
 TEST_CASE("exposures and colour corrections are divided out, all of them", "[codec][hdr]") {
-  const Picture picture;
+  const Image image;
   const Environment read =
-      picture.read({"EXPOSURE=2.0", kRgbe, "EXPOSURE= 4", "COLORCORR= 1 0.5 +2e0", "COLORCORR=3 1 1"});
-  const std::vector<float> stored = picture.values();
+      image.read({"EXPOSURE=2.0", kRgbe, "EXPOSURE= 4", "COLORCORR= 1 0.5 +2e0", "COLORCORR=3 1 1"});
+  const std::vector<float> stored = image.values();
   const double divisors[] = {24.0, 4.0, 16.0};
   for (std::size_t i = 0; i < stored.size(); ++i) {
     REQUIRE(read.pixels[i] == static_cast<float>(static_cast<double>(stored[i]) / divisors[i % 3]));
   }
   CHECK(notes_say(read, "divided by 24 4 16, the product of the header's EXPOSURE and COLORCORR lines"));
-  CHECK(notes_say(picture.read({"EXPOSURE=0.25", "EXPOSURE=0.5"}), "divided by 0.125,"));
-  const Environment cancelled = picture.read({"EXPOSURE=4", "EXPOSURE=0.25"});
-  CHECK(unchanged(picture, cancelled));
+  CHECK(notes_say(image.read({"EXPOSURE=0.25", "EXPOSURE=0.5"}), "divided by 0.125,"));
+  const Environment cancelled = image.read({"EXPOSURE=4", "EXPOSURE=0.25"});
+  CHECK(unchanged(image, cancelled));
   CHECK(cancelled.info.notes.empty());
 }
 
 TEST_CASE("XYZE becomes Rec. 709, or stays as stored", "[codec][hdr]") {
-  const Picture picture;
-  const std::vector<float> stored = picture.values();
-  const Environment as_stored = picture.read({"FORMAT=32-bit_rle_xyze"}, Primaries::as_stored);
-  CHECK(unchanged(picture, as_stored));
+  const Image image;
+  const std::vector<float> stored = image.values();
+  const Environment as_stored = image.read({"FORMAT=32-bit_rle_xyze"}, Primaries::as_stored);
+  CHECK(unchanged(image, as_stored));
   CHECK(as_stored.info.channels[0].name == "X");
   CHECK(as_stored.info.channels[0].type == ChannelType::xyze);
-  const Environment read = picture.read({"FORMAT=32-bit_rle_xyze"});
+  const Environment read = image.read({"FORMAT=32-bit_rle_xyze"});
   CHECK(notes_say(read, "XYZ"));
   // IEC 61966-2-1, with as many digits as it states.
   const double matrix[3][3] = {{3.2406, -1.5372, -0.4986}, {-0.9689, 1.8758, 0.0415}, {0.0557, -0.2040, 1.0570}};
@@ -223,28 +223,28 @@ TEST_CASE("XYZE becomes Rec. 709, or stays as stored", "[codec][hdr]") {
 }
 
 TEST_CASE("stated primaries become Rec. 709, or stay as stored", "[codec][hdr]") {
-  const Picture picture;
+  const Image image;
   const std::string rec709 = "PRIMARIES=0.640 0.330 0.300 0.600 0.150 0.060 0.3127 0.3290";
-  CHECK(unchanged(picture, picture.read({rec709})));
+  CHECK(unchanged(image, image.read({rec709})));
   // Rec. 2020, the same white: grey stays grey, and pure red leaves Rec. 709 (ITU-R BT.2087: 1.6605 -0.1246 -0.0182).
   const std::string rec2020 = "PRIMARIES= 0.708 0.292 0.170 0.797 0.131 0.046 0.3127 0.3290";
-  CHECK(unchanged(picture, picture.read({rec2020}, Primaries::as_stored)));
+  CHECK(unchanged(image, image.read({rec2020}, Primaries::as_stored)));
   HdrRecipe recipe{2, 1};
   recipe.lines = {rec2020};
-  write_bytes(picture.path(), hdr_bytes(recipe, {{128, 128, 128, 129}, {128, 0, 0, 129}}));
-  const Environment read = read_environment(picture.path());
+  write_bytes(image.path(), hdr_bytes(recipe, {{128, 128, 128, 129}, {128, 0, 0, 129}}));
+  const Environment read = read_environment(image.path());
   const double wanted[] = {1.0, 1.0, 1.0, 1.6605, -0.1246, -0.0182};
   for (int i = 0; i < 6; ++i) {
     CHECK(std::abs(static_cast<double>(read.pixels[static_cast<std::size_t>(i)]) - wanted[i]) < 1e-4);
   }
   REQUIRE(read.info.notes.size() == 1);
   CHECK(read.info.notes[0] == "primaries were converted to Rec. 709 from Rec. 2020 (the header's PRIMARIES line)");
-  const Environment pointless = picture.read({"PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3"});
-  CHECK(unchanged(picture, pointless));
+  const Environment pointless = image.read({"PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3"});
+  CHECK(unchanged(image, pointless));
   CHECK(notes_say(pointless, "primaries that span no colours are ignored"));
 }
 
-// Promises: a Radiance picture that is not read is refused by a code and a message with the file's name, the place in
+// Promises: a Radiance image that is not read is refused by a code and a message with the file's name, the place in
 // it, what was found, and what would do.
 
 namespace {
@@ -348,7 +348,7 @@ TEST_CASE("damaged Radiance scanlines are refused by where and how", "[codec][hd
   check_refusal(shifted + "\x01\x01\x01\xff"s + row + row, corrupt, "repeated 4278190080 times where 9 of 10", remedy);
 }
 
-TEST_CASE("a picture of columns is refused where decoding it whole takes too much", "[codec][hdr]") {
+TEST_CASE("an image of columns is refused where decoding it whole takes too much", "[codec][hdr]") {
   const TemporaryFile path("sky.hdr");
   write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 4};
@@ -383,7 +383,7 @@ TEST_CASE("what a Radiance reader holds does not depend on what the header claim
   CHECK(error.says("scanline 4096 of 32768"));
 }
 
-// The kernel of Radiance pictures: mantissas and exponents to floats.
+// The kernel of Radiance images: mantissas and exponents to floats.
 
 // Promises: every mantissa with every exponent becomes the float that its definition says, at any length, on every
 // instruction set, and nothing else is written.

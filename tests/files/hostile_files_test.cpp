@@ -73,7 +73,7 @@ void check_damage(const std::vector<SoundFile>& files, Damage damage, bool may_l
   }
 }
 
-std::vector<SoundFile> sound_pictures(const std::vector<std::string>& extensions) {
+std::vector<SoundFile> sound_images(const std::vector<std::string>& extensions) {
   const TemporaryDirectory directory;
   std::vector<SoundFile> files = sound_files(directory.path());
   std::erase_if(files, [&](const SoundFile& file) {
@@ -85,24 +85,24 @@ std::vector<SoundFile> sound_pictures(const std::vector<std::string>& extensions
 }  // namespace
 
 TEST_CASE("a file that is cut off is refused, wherever the cut is", "[codec][damage][slow]") {
-  check_damage(sound_pictures({".exr", ".pfm", ".hdr", ".jpg"}), for_each_truncation, false);
-  check_damage(sound_pictures({".png"}), for_each_truncation, true);  // nothing that is needed follows the last row
+  check_damage(sound_images({".exr", ".pfm", ".hdr", ".jpg"}), for_each_truncation, false);
+  check_damage(sound_images({".png"}), for_each_truncation, true);  // nothing that is needed follows the last row
 }
 
 TEST_CASE("no changed byte does harm", "[codec][damage][slow]") {
-  check_damage(sound_pictures({".exr", ".pfm", ".hdr", ".png", ".jpg"}), for_each_changed_byte, true);
+  check_damage(sound_images({".exr", ".pfm", ".hdr", ".png", ".jpg"}), for_each_changed_byte, true);
 }
 
 TEST_CASE("no extreme number in a header of text does harm", "[codec][damage]") {
-  check_damage(sound_pictures({".pfm", ".hdr"}), for_each_extreme_number, true);
+  check_damage(sound_images({".pfm", ".hdr"}), for_each_extreme_number, true);
 }
 
 TEST_CASE("no extreme field of an OpenEXR file does harm", "[codec][damage][slow]") {
-  check_damage(sound_pictures({".exr"}), for_each_extreme_field, true);
+  check_damage(sound_images({".exr"}), for_each_extreme_field, true);
 }
 
 TEST_CASE("no extreme field of a Radiance or PFM or PNG file does harm", "[codec][damage][slow]") {
-  check_damage(sound_pictures({".pfm", ".hdr", ".png", ".jpg"}), for_each_extreme_field, true);
+  check_damage(sound_images({".pfm", ".hdr", ".png", ".jpg"}), for_each_extreme_field, true);
 }
 
 // Promises: a texture or .env that is cut off anywhere, has any byte changed, or any field set to an extreme, is either
@@ -120,7 +120,7 @@ SoundFile texture(const std::string& name, std::size_t header_bytes, const Textu
   return file;
 }
 
-/// Its manifest is damaged, a text without fields, and the first of its pictures, which are all alike.
+/// Its manifest is damaged, a text without fields, and the first of its images, which are all alike.
 SoundFile env_of(const std::string& name, const std::vector<char>& bytes) {
   const auto payload = static_cast<std::size_t>(std::find(bytes.begin() + 8, bytes.end(), '\0') - bytes.begin()) + 1;
   SoundFile file{name, bytes};
@@ -146,7 +146,7 @@ std::vector<SoundFile> sound_textures() {
           texture("zstd.ktx2", 500, {TexelFormat::e5b9g9r9, Supercompression::zstd, {}}),
           texture("sky.dds", 500, {}),
           env_of("sky.env", env_bytes()),
-          env_of("webp.env", with_webp_pictures(env_bytes()))};
+          env_of("webp.env", with_webp_images(env_bytes()))};
 }
 
 }  // namespace
@@ -167,7 +167,7 @@ TEST_CASE("no extreme number in an .env's manifest does harm", "[codec][env][dam
   check_damage({env_of("sky.env", env_bytes())}, for_each_extreme_number, true);
 }
 
-// Promises: what a header claims costs no memory; a streamed picture needs a few blocks a thread.
+// Promises: what a header claims costs no memory; a streamed image needs a few blocks a thread.
 
 // The sanitizers need far more address space than they are asked for.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -263,7 +263,7 @@ bool is_refused_for_itself(const std::filesystem::path& path) {
   return false;
 }
 
-// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the picture's size.
+// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the image's size.
 void call_once_before(const TemporaryDirectory& directory) {
   const std::filesystem::path exr = directory.file("small.exr");
   static_cast<void>(tiled_exr(exr));
@@ -302,7 +302,7 @@ TEST_CASE("what an OpenEXR header claims costs no memory", "[codec]") {
     patch_attribute(bytes, kDataWindow, 12, 65535);
     patch_attribute(bytes, kDataWindow, 16, 32767);
   });
-  check([](auto& bytes) {  // a picture as large as integers go
+  check([](auto& bytes) {  // an image as large as integers go
     patch_attribute(bytes, kDataWindow, 4, 0xc0000002);
     patch_attribute(bytes, kDataWindow, 12, 0x3ffffffe);
   });
@@ -425,7 +425,7 @@ TEST_CASE("rows of 16384 texels in compressed blocks take 10 MiB for each thread
   const auto stream = [&] { return project_file(path, options).diagnostics.texels == 16384 * 512; };
   const auto measure = [&] { return measure_environment(path, options).texels == 16384 * 512; };
   call_once_before(directory);
-  // In use, as above. The picture has 96 MiB as floats.
+  // In use, as above. The image has 96 MiB as floats.
   const auto takes_less_than = [](std::uint64_t bytes, int threads, const std::function<bool()>& work) {
     std::optional<std::uint64_t> growth;
     bool success = false;

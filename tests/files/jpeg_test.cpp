@@ -11,8 +11,8 @@
 
 namespace welkin::test {
 
-// Promises: the picture of high dynamic range that base and gain map make, by XMP's numbers or ISO 21496-1's, whatever
-// the two pictures' sizes and channels; an ICC profile's primaries become Rec. 709; without a gain map it is refused.
+// Promises: the image of high dynamic range that base and gain map make, by XMP's numbers or ISO 21496-1's, whatever
+// the two images' sizes and channels; an ICC profile's primaries become Rec. 709; without a gain map it is refused.
 
 namespace {
 
@@ -67,7 +67,7 @@ std::vector<double> expected(const Bytes& base, const Shape& of_base, const Byte
 
 ReadOptions as_lat_long() { return {.layout = Layout::lat_long}; }
 
-Bytes picture(const Shape& shape, std::vector<std::pair<int, std::string>> segments = {}, bool progressive = false) {
+Bytes image(const Shape& shape, std::vector<std::pair<int, std::string>> segments = {}, bool progressive = false) {
   return jpeg_bytes({shape.width, shape.height, shape.components, progressive, std::move(segments)},
                     smooth_samples(shape.width, shape.height, shape.components));
 }
@@ -95,16 +95,16 @@ ThrownError refusal(const Bytes& bytes) {
 
 }  // namespace
 
-TEST_CASE("base picture and gain map make the picture that their numbers say", "[codec][jpeg]") {
+TEST_CASE("base image and gain map make the image that their numbers say", "[codec][jpeg]") {
   const Shape base = GENERATE(Shape{1, 1, 3}, Shape{2, 1, 1}, Shape{7, 3, 3}, Shape{64, 32, 1}, Shape{257, 128, 3});
   const Shape map = GENERATE(Shape{1, 1, 1}, Shape{3, 2, 3}, Shape{64, 32, 1}, Shape{300, 5, 3});
   CAPTURE(base.width, map.width);
-  const Bytes first = picture(base);
+  const Bytes first = image(base);
   const GainNumbers one;
   for (const GainNumbers& numbers : {one, kColoured}) {
     for (const auto& segment :
          {std::pair{1, gain_xmp(numbers)}, {2, gain_iso(numbers, true)}, {2, gain_iso(numbers, false)}}) {
-      const Bytes second = picture(map, {segment});
+      const Bytes second = image(map, {segment});
       const Environment environment = read(gain_map_file(first, second));
       // Fractions of 2^20 in ISO's segment, floats in the result.
       CHECK(largest_difference(environment, expected(first, base, second, map, numbers)) < 4e-6);
@@ -113,26 +113,26 @@ TEST_CASE("base picture and gain map make the picture that their numbers say", "
   }
 }
 
-TEST_CASE("progressive pictures, padding and a file's path give the same", "[codec][jpeg]") {
+TEST_CASE("progressive images, padding and a file's path give the same", "[codec][jpeg]") {
   const Shape base{64, 32, 3}, map{16, 8, 1};
   const std::pair segment{1, gain_xmp({})};
-  const Environment plain = read(gain_map_file(picture(base), picture(map, {segment})));
+  const Environment plain = read(gain_map_file(image(base), image(map, {segment})));
   const auto same = [&](const Environment& other) { return std::ranges::equal(values_of(other), values_of(plain)); };
-  CHECK(same(read(gain_map_file(picture(base, {}, true), picture(map, {segment}, true)))));
-  Bytes padded = picture(base);
+  CHECK(same(read(gain_map_file(image(base, {}, true), image(map, {segment}, true)))));
+  Bytes padded = image(base);
   padded.insert(padded.end(), 1000, '\0');
-  CHECK(same(read(gain_map_file(padded, picture(map, {segment})))));
-  // A preview before the map, and a film behind it that looks like a picture.
-  Bytes with_more = gain_map_file(gain_map_file(picture(base), picture({8, 4, 3})), picture(map, {segment}));
+  CHECK(same(read(gain_map_file(padded, image(map, {segment})))));
+  // A preview before the map, and a film behind it that looks like an image.
+  Bytes with_more = gain_map_file(gain_map_file(image(base), image({8, 4, 3})), image(map, {segment}));
   for (const int byte : {0xFF, 0xD8, 0xFF, 0xE1, 1, 2, 3}) with_more.push_back(static_cast<char>(byte));
   CHECK(same(read(with_more)));
   const TemporaryDirectory directory;
-  write_bytes(directory.file("sky.jpg"), gain_map_file(picture(base), picture(map, {segment})));
+  write_bytes(directory.file("sky.jpg"), gain_map_file(image(base), image(map, {segment})));
   CHECK(same(read_environment(directory.file("sky.jpg"), as_lat_long())));
   // ISO's numbers go before XMP's.
   GainNumbers other;
   other.maximum = {7.0};
-  CHECK(same(read(gain_map_file(picture(base), picture(map, {{1, gain_xmp(other)}, {2, gain_iso({}, true)}})))));
+  CHECK(same(read(gain_map_file(image(base), image(map, {{1, gain_xmp(other)}, {2, gain_iso({}, true)}})))));
 }
 
 TEST_CASE("a profile's primaries become Rec. 709", "[codec][jpeg]") {
@@ -183,7 +183,7 @@ TEST_CASE("a file of another encoder is read as its own decoder reads it", "[cod
 }
 
 TEST_CASE("streaming a JPEG gives what reading it whole gives", "[codec][jpeg]") {
-  const Bytes file = gain_map_file(picture({300, 150, 3}), picture({75, 38, 1}, {{2, gain_iso(kColoured, true)}}));
+  const Bytes file = gain_map_file(image({300, 150, 3}), image({75, 38, 1}, {{2, gain_iso(kColoured, true)}}));
   const Environment whole = read(file);
   const FileInput input(std::as_bytes(std::span(file)), "sky.jpg");
   const Projection streamed = project_file(input, as_lat_long());
@@ -191,7 +191,7 @@ TEST_CASE("streaming a JPEG gives what reading it whole gives", "[codec][jpeg]")
   CHECK(std::ranges::equal(streamed.radiance.coefficients(), read_whole.radiance.coefficients()));
 }
 
-TEST_CASE("a JPEG that is no picture of high dynamic range is refused, with the reason", "[codec][jpeg]") {
+TEST_CASE("a JPEG that is no image of high dynamic range is refused, with the reason", "[codec][jpeg]") {
   const Shape base{16, 8, 3}, map{4, 2, 1};
   const auto check = [](const ThrownError& error, const std::string& words,
                         ErrorCode code = ErrorCode::unsupported_file) {
@@ -199,22 +199,22 @@ TEST_CASE("a JPEG that is no picture of high dynamic range is refused, with the 
     CHECK(error.code == code);
     CHECK(error.says(words));
   };
-  check(refusal(picture(base)), "is a JPEG without a gain map: 8 bits hold no light brighter than white");
-  check(refusal(gain_map_file(picture(base), picture(map))), "its second image has no metadata");
+  check(refusal(image(base)), "is a JPEG without a gain map: 8 bits hold no light brighter than white");
+  check(refusal(gain_map_file(image(base), image(map))), "its second image has no metadata");
   GainNumbers down;
   down.base_is_hdr = true;
-  check(refusal(gain_map_file(picture(base), picture(map, {{1, gain_xmp(down)}}))), "leads down to an ordinary image");
-  check(refusal(gain_map_file(picture(base), picture(map, {{2, gain_iso(down, true)}}))),
+  check(refusal(gain_map_file(image(base), image(map, {{1, gain_xmp(down)}}))), "leads down to an ordinary image");
+  check(refusal(gain_map_file(image(base), image(map, {{2, gain_iso(down, true)}}))),
         "leads down to an ordinary image");
   const Bytes cmyk = jpeg_bytes({4, 4, 4}, std::vector<std::uint8_t>(64, 100));
-  check(refusal(gain_map_file(cmyk, picture(map, {{1, gain_xmp({})}}))), "is a JPEG of 4 components of 8 bits");
+  check(refusal(gain_map_file(cmyk, image(map, {{1, gain_xmp({})}}))), "is a JPEG of 4 components of 8 bits");
   std::string later = gain_iso({}, true);
   later[29] = 1;
-  check(refusal(gain_map_file(picture(base), picture(map, {{2, later}}))), "ISO 21496-1 version 1");
+  check(refusal(gain_map_file(image(base), image(map, {{2, later}}))), "ISO 21496-1 version 1");
 
   const auto damaged = [&](const GainNumbers& numbers, const std::string& words) {
     for (const auto& segment : {std::pair{1, gain_xmp(numbers)}, {2, gain_iso(numbers, false)}}) {
-      check(refusal(gain_map_file(picture(base), picture(map, {segment}))), words, ErrorCode::corrupt_file);
+      check(refusal(gain_map_file(image(base), image(map, {segment}))), words, ErrorCode::corrupt_file);
     }
   };
   damaged({{4.0}}, "its minimum is above its maximum");
@@ -223,7 +223,7 @@ TEST_CASE("a JPEG that is no picture of high dynamic range is refused, with the 
   damaged({{0.0}, {3.0}, {1.0}, {2.0}}, "an offset is no number from -1 to 1");
   std::string word = gain_xmp({});
   word.replace(word.find("GainMapMax=\"3\"") + 12, 1, "?");
-  check(refusal(gain_map_file(picture(base), picture(map, {{1, word}}))), "GainMapMax is \"?\", no number",
+  check(refusal(gain_map_file(image(base), image(map, {{1, word}}))), "GainMapMax is \"?\", no number",
         ErrorCode::corrupt_file);
 }
 

@@ -4,7 +4,7 @@
 #include "image/geometry.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
-#include "support/cube_pictures.h"
+#include "support/cube_images.h"
 #include "support/exr_files.h"
 #include "support/pfm_files.h"
 #include "support/same_bits.h"
@@ -22,8 +22,8 @@ namespace welkin::test {
 
 namespace {
 
-std::filesystem::path write_picture(const TemporaryDirectory& directory, int width, int height,
-                                    std::optional<Imf::Envmap> envmap = std::nullopt) {
+std::filesystem::path write_image(const TemporaryDirectory& directory, int width, int height,
+                                  std::optional<Imf::Envmap> envmap = std::nullopt) {
   std::filesystem::path path = directory.file("sky.exr");
   ExrRecipe recipe{.width = width, .height = height, .envmap = envmap};
   write_exr(path, recipe, some_pixels(width, height));
@@ -37,7 +37,7 @@ ReadOptions as(Layout layout) { return {.layout = layout}; }
 TEST_CASE("the shape tells the layout", "[codec]") {
   const TemporaryDirectory directory;
   const auto check = [&](int width, int height, Layout layout, const std::string& reason) {
-    const EnvironmentInfo info = inspect_environment(write_picture(directory, width, height));
+    const EnvironmentInfo info = inspect_environment(write_image(directory, width, height));
     CHECK(info.layout == layout);
     CHECK(info.layout_reason == reason);
   };
@@ -52,7 +52,7 @@ TEST_CASE("the shape tells the layout", "[codec]") {
 TEST_CASE("a shape that tells nothing is refused, and --layout is offered", "[codec]") {
   const TemporaryDirectory directory;
   for (const auto& [width, height] : {std::pair{64, 31}, {33, 24}, {32, 25}, {49, 8}, {8, 47}, {13, 9}, {5, 1}}) {
-    const std::filesystem::path path = write_picture(directory, width, height);
+    const std::filesystem::path path = write_image(directory, width, height);
     const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
     CHECK(error.code == ErrorCode::unsupported_file);
     CHECK(error.message ==
@@ -66,7 +66,7 @@ TEST_CASE("a shape that tells nothing is refused, and --layout is offered", "[co
 
 TEST_CASE("a square that is none of six files is refused, saying why it is not", "[codec]") {
   const TemporaryDirectory directory;
-  const std::filesystem::path path = write_picture(directory, 8, 8);
+  const std::filesystem::path path = write_image(directory, 8, 8);
   const ThrownError plain = thrown_by([&] { (void)inspect_environment(path); });
   CHECK(plain.code == ErrorCode::unsupported_file);
   CHECK(plain.says(path.string() + ": 8 x 8 is square, so it would be a face among six files, but " + path.string() +
@@ -85,13 +85,13 @@ TEST_CASE("a square that is none of six files is refused, saying why it is not",
 
 TEST_CASE("the header tells before the shape", "[codec]") {
   const TemporaryDirectory directory;
-  const EnvironmentInfo odd = inspect_environment(write_picture(directory, 50, 31, Imf::ENVMAP_LATLONG));
+  const EnvironmentInfo odd = inspect_environment(write_image(directory, 50, 31, Imf::ENVMAP_LATLONG));
   CHECK(odd.layout == Layout::lat_long);
   CHECK(odd.layout_reason == "the header's envmap attribute says latlong");
-  const EnvironmentInfo cube = inspect_environment(write_picture(directory, 4, 24, Imf::ENVMAP_CUBE));
+  const EnvironmentInfo cube = inspect_environment(write_image(directory, 4, 24, Imf::ENVMAP_CUBE));
   CHECK(cube.layout == Layout::vertical_strip);
   CHECK(cube.layout_reason == "the header's envmap attribute says cube");
-  const std::filesystem::path path = write_picture(directory, 64, 32, Imf::ENVMAP_CUBE);
+  const std::filesystem::path path = write_image(directory, 64, 32, Imf::ENVMAP_CUBE);
   const ThrownError error = thrown_by([&] { (void)inspect_environment(path); });
   CHECK(error.code == ErrorCode::unsupported_file);
   CHECK(error.says(path.string() + ": 64 x 32 is not a 1:6 vertical strip"));
@@ -100,12 +100,12 @@ TEST_CASE("the header tells before the shape", "[codec]") {
 
 TEST_CASE("what is asked for comes before header and shape", "[codec]") {
   const TemporaryDirectory directory;
-  const std::filesystem::path path = write_picture(directory, 8, 48, Imf::ENVMAP_CUBE);
+  const std::filesystem::path path = write_image(directory, 8, 48, Imf::ENVMAP_CUBE);
   const EnvironmentInfo info = inspect_environment(path, as(Layout::lat_long));
   CHECK(info.layout == Layout::lat_long);
   CHECK(info.layout_reason == "lat-long was requested");
   CHECK(inspect_environment(path, as(Layout::vertical_strip)).layout == Layout::vertical_strip);
-  const std::filesystem::path wide = write_picture(directory, 100, 31);
+  const std::filesystem::path wide = write_image(directory, 100, 31);
   CHECK(inspect_environment(wide, as(Layout::lat_long)).layout == Layout::lat_long);
   CHECK(thrown_by([&] {
           (void)inspect_environment(wide, as(Layout::vertical_strip));
@@ -114,7 +114,7 @@ TEST_CASE("what is asked for comes before header and shape", "[codec]") {
 
 TEST_CASE("an environment gives the view of its own layout and no other", "[codec]") {
   const TemporaryDirectory directory;
-  const Environment sky = read_environment(write_picture(directory, 64, 32));
+  const Environment sky = read_environment(write_image(directory, 64, 32));
   CHECK(sky.lat_long().pixels == sky.pixels.get());
   CHECK(sky.lat_long().width == 64);
   CHECK(sky.lat_long().height == 32);
@@ -122,21 +122,21 @@ TEST_CASE("an environment gives the view of its own layout and no other", "[code
   CHECK(no_cube.code == ErrorCode::invalid_argument);
   CHECK(no_cube.says("is a lat-long (64 x 32 is 2:1), not a cubemap"));
   CHECK(sky.face_size() == 0);
-  const Environment strip = read_environment(write_picture(directory, 8, 48));
+  const Environment strip = read_environment(write_image(directory, 8, 48));
   CHECK(strip.cubemap().size == 8);
   CHECK(strip.cubemap().faces[5] == strip.pixels.get() + 5 * 8 * 8 * 3);
   CHECK(thrown_by([&] { (void)strip.lat_long(); }).says("vertical-strip"));
 }
 
-// Promises: a cubemap comes out of a picture of any layout texel for texel, whatever its size, and what lies between
+// Promises: a cubemap comes out of an image of any layout texel for texel, whatever its size, and what lies between
 // the faces of a cross is never seen: not in pixels, not in statistics, not in a projection.
 
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-void write_pfm(const std::filesystem::path& path, const CubePicture& picture) {
-  write_bytes(path, pfm_bytes(picture.width, picture.height, false, "-1", picture.pixels));
+void write_pfm(const std::filesystem::path& path, const CubeImage& image) {
+  write_bytes(path, pfm_bytes(image.width, image.height, false, "-1", image.pixels));
 }
 
 bool holds(const Environment& environment, std::span<const float> faces) {
@@ -151,7 +151,7 @@ TEST_CASE("every texel of every layout comes to its place", "[codec][layout]") {
     for (const int size : {1, 2, 3, 7, 64, 130}) {
       CAPTURE(name(layout), size);
       const std::vector<float> faces = unlike_texels(size);
-      write_pfm(path, cube_picture(layout, size, faces, kNaN));
+      write_pfm(path, cube_image(layout, size, faces, kNaN));
       const Environment cube = read_environment(path);
       CHECK(cube.info.layout == layout);
       CHECK(cube.face_size() == size);
@@ -170,13 +170,13 @@ TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][
   const TemporaryFile path("cube.pfm");
   const int size = 24;
   const std::vector<float> faces = some_pixels(size, 6 * size);
-  write_pfm(path, cube_picture(Layout::vertical_strip, size, faces, 0.0F));
+  write_pfm(path, cube_image(Layout::vertical_strip, size, faces, 0.0F));
   const EnvironmentStatistics wanted = measure_environment(path);
   const Projection wanted_light = project_file(path);
   for (const Layout layout : one_file_cube_layouts()) {
     for (const float blank : {0.0F, 1e30F, -1.0F, kNaN}) {
       CAPTURE(name(layout), blank);
-      write_pfm(path, cube_picture(layout, size, faces, blank));
+      write_pfm(path, cube_image(layout, size, faces, blank));
       const EnvironmentStatistics found = measure_environment(path);
       CHECK(found.texels == std::uint64_t{6} * size * size);
       CHECK(found.nans == 0);
@@ -194,23 +194,22 @@ TEST_CASE("what lies between the faces of a cross counts for nothing", "[codec][
   }
 }
 
-TEST_CASE("the brightest texel is told by its place in the picture and its direction", "[codec][layout]") {
+TEST_CASE("the brightest texel is told by its place in the image and its direction", "[codec][layout]") {
   const TemporaryFile path("cube.pfm");
   const int size = 8;
   const std::vector<float> dark(std::size_t{18} * size * size, 0.25F);
   for (std::size_t face = 0; face < 6; ++face) {
     std::vector<float> faces = dark;
     std::fill_n(faces.begin() + static_cast<std::ptrdiff_t>(3 * ((face * size + 2) * size + 5)), 3, 9.0F);
-    write_pfm(path, cube_picture(Layout::vertical_strip, size, faces, 0.0F));
+    write_pfm(path, cube_image(Layout::vertical_strip, size, faces, 0.0F));
     const glm::dvec3 wanted = measure_environment(path).brightest_direction;
     for (const Layout layout : one_file_cube_layouts()) {
       CAPTURE(name(layout), face);
-      const CubePicture picture = cube_picture(layout, size, faces, 0.5F);
-      write_pfm(path, picture);
+      const CubeImage image = cube_image(layout, size, faces, 0.5F);
+      write_pfm(path, image);
       const EnvironmentStatistics found = measure_environment(path);
       CHECK(found.brightest_direction == wanted);
-      CHECK(picture
-                .pixels[static_cast<std::size_t>(3 * (found.brightest_row * picture.width + found.brightest_column))] ==
+      CHECK(image.pixels[static_cast<std::size_t>(3 * (found.brightest_row * image.width + found.brightest_column))] ==
             9.0F);
     }
   }
@@ -219,7 +218,7 @@ TEST_CASE("the brightest texel is told by its place in the picture and its direc
 TEST_CASE("a cross is held as its faces alone and refused by what they take", "[codec][layout]") {
   const TemporaryFile path("cross.pfm");
   const int size = 64;
-  write_pfm(path, cube_picture(Layout::horizontal_cross, size, unlike_texels(size), kNaN));
+  write_pfm(path, cube_image(Layout::horizontal_cross, size, unlike_texels(size), kNaN));
   ReadOptions options{.memory_limit_bytes = 6 * size * size * 12 - 1};
   const ThrownError error = thrown_by([&] { (void)read_environment(path, options); });
   CHECK(error.code == ErrorCode::limit_exceeded);
@@ -230,7 +229,7 @@ TEST_CASE("a cross is held as its faces alone and refused by what they take", "[
   CHECK(read_environment(path, options).face_size() == size);
 }
 
-// Promises: in each cross, faces that touch in the picture touch on the cube, edge along edge; in every layout each
+// Promises: in each cross, faces that touch in the image touch on the cube, edge along edge; in every layout each
 // face lies once; and OpenEXR's strip is that of its own documentation.
 
 namespace {

@@ -4,7 +4,7 @@
 #include "support/chains.h"
 #include "support/damaged_files.h"
 #include "support/exr_files.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/small_skies.h"
 #include "support/temporary_directory.h"
@@ -47,7 +47,7 @@ auto outcome_of(const Call& call) -> Outcome<decltype(call())> {
   }
 }
 
-/// Of a square picture its path says why it is no face among six, and bytes cannot.
+/// Of a square image its path says why it is no face among six, and bytes cannot.
 std::string comparable(const std::string& error) { return error.substr(0, error.find(" is square")); }
 
 /// The outcome of `call`, given the path, and given the bytes with the path as their name.
@@ -110,13 +110,13 @@ std::vector<std::filesystem::path> write_textures(const TemporaryDirectory& dire
   paths.push_back(directory.file("sky.env"));
   write_babylon_environment(paths.back(), environment);
   paths.push_back(directory.file("webp.env"));
-  write_bytes(paths.back(), with_webp_pictures(read_bytes(directory.file("sky.env"))));
+  write_bytes(paths.back(), with_webp_images(read_bytes(directory.file("sky.env"))));
   return paths;
 }
 
 }  // namespace
 
-TEST_CASE("a picture in memory is read as the file on disk is", "[codec][memory]") {
+TEST_CASE("an image in memory is read as the file on disk is", "[codec][memory]") {
   const TemporaryDirectory directory;
   for (const SoundFile& sound : sound_files(directory.file(""))) {
     const std::filesystem::path path = directory.file(sound.name);
@@ -240,7 +240,7 @@ TEST_CASE("six faces in memory are read as six files are", "[codec][memory]") {
 
 TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory]") {
   const TemporaryDirectory directory;
-  const LatLongImage picture{64, 32, some_pixels(64, 32)};
+  const LatLongImage image{64, 32, some_pixels(64, 32)};
   const Cubemap chain = noisy_chain(8, 4);
   const auto check = [&](const char* name, const auto& write) {
     CAPTURE(name);
@@ -252,7 +252,7 @@ TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory
     CHECK(in_memory.files == std::vector<std::filesystem::path>{name});
   };
   for (const char* name : {"sky.exr", "sky.hdr", "sky.pfm", "sky.png"}) {
-    check(name, [&](const FileOutput& output) { return write_environment(output, picture.view()); });
+    check(name, [&](const FileOutput& output) { return write_environment(output, image.view()); });
     for (const Layout layout : {Layout::vertical_strip, Layout::horizontal_cross}) {
       check(name,
             [&](const FileOutput& output) { return write_environment(output, chain.view(0), {.layout = layout}); });
@@ -266,7 +266,7 @@ TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory
     check("packed.ktx2", [&](const FileOutput& output) { return write_texture(output, chain.views(), options); });
   }
   for (const char* name : {"table.ktx2", "table.dds"}) {
-    check(name, [&](const FileOutput& output) { return write_texture_2d(output, 64, 32, picture.pixels.data()); });
+    check(name, [&](const FileOutput& output) { return write_texture_2d(output, 64, 32, image.pixels.data()); });
   }
   BabylonEnvironment environment;
   environment.specular = noisy_chain(8, 4);
@@ -274,7 +274,7 @@ TEST_CASE("what is written to memory has the bytes of the file", "[codec][memory
 }
 
 TEST_CASE("after an error the bytes that were to be written are as they were", "[codec][memory]") {
-  const LatLongImage picture{64, 32, some_pixels(64, 32)};
+  const LatLongImage image{64, 32, some_pixels(64, 32)};
   const Cubemap chain = noisy_chain(8, 1);
   const Bytes before(5, std::byte{9});
   Bytes bytes = before;
@@ -283,11 +283,11 @@ TEST_CASE("after an error the bytes that were to be written are as they were", "
   for (const char* name : {"sky.exr", "sky.hdr", "sky.pfm", "sky.png"}) {
     CAPTURE(name);
     CHECK(thrown_by([&] {
-            write_environment({bytes, name}, picture.view(), {}, {stop.get_token(), {}});
+            write_environment({bytes, name}, image.view(), {}, {stop.get_token(), {}});
           }).code == ErrorCode::cancelled);
     CHECK(bytes == before);
   }
-  CHECK(thrown_by([&] { write_environment({bytes, "sky.gif"}, picture.view()); }).code == ErrorCode::unsupported_file);
+  CHECK(thrown_by([&] { write_environment({bytes, "sky.gif"}, image.view()); }).code == ErrorCode::unsupported_file);
   CHECK(thrown_by([&] {
           write_texture({bytes, ""}, chain.views());
         }).says("bytes in memory: has no extension that names a format"));

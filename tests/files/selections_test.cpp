@@ -12,7 +12,7 @@
 namespace welkin::test {
 
 // Promise: who asks for a part, layer, level or element that a file does not have gets an error, whatever the format,
-// and never another picture's light. What every file has (number 0) may be asked for.
+// and never another image's light. What every file has (number 0) may be asked for.
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include "files/row_source.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
-#include "support/cube_pictures.h"
+#include "support/cube_images.h"
 #include "support/exr_files.h"
 #include "support/pfm_files.h"
 #include "support/temporary_directory.h"

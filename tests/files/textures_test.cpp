@@ -221,7 +221,7 @@ TEST_CASE("odd sizes of an OpenEXR cube are written whole", "[codec][textures]")
 TEST_CASE("views of any format and stride are written as they are seen", "[codec][textures]") {
   const TemporaryDirectory directory;
   std::vector<std::uint16_t> halves;
-  for (int texel = 0; texel < 6 * 3 * 5; ++texel) {  // rows of 5 texels, of which 3 are the picture
+  for (int texel = 0; texel < 6 * 3 * 5; ++texel) {  // rows of 5 texels, of which 3 are the image
     for (int channel = 0; channel < 4; ++channel) {
       halves.push_back(Imath::half(static_cast<float>(texel * 4 + channel) * 0.25F).bits());
     }
@@ -251,7 +251,7 @@ TEST_CASE("what is clamped on the way into a texture is counted", "[codec][textu
   CHECK(write_texture(directory.file("sky.ktx2"), chain.views(), packed).values_clamped == 2);
 }
 
-TEST_CASE("a picture is written as a two-dimensional texture, row after row", "[codec][textures]") {
+TEST_CASE("an image is written as a two-dimensional texture, row after row", "[codec][textures]") {
   const TemporaryDirectory directory;
   const Cubemap chain = half_chain(4, 1);
   const float* rgb = chain.face(0, 0);
@@ -314,10 +314,10 @@ TEST_CASE("Octahedral maps go to KTX2 with all levels, and to OpenEXR a level a 
       }
     }
   }
-  const WriteReport pictures = write_octahedral(directory.file("map.exr"), map, {TexelFormat::rgba32f});
-  REQUIRE(pictures.files.size() == 3);
-  CHECK(pictures.files[2].filename() == "map_m2.exr");
-  const Environment read = read_environment(pictures.files[1], {.layout = Layout::lat_long});
+  const WriteReport images = write_octahedral(directory.file("map.exr"), map, {TexelFormat::rgba32f});
+  REQUIRE(images.files.size() == 3);
+  CHECK(images.files[2].filename() == "map_m2.exr");
+  const Environment read = read_environment(images.files[1], {.layout = Layout::lat_long});
   REQUIRE(read.info.width == 12);
   REQUIRE(read.info.height == 12);
   CHECK(std::equal(map.levels[1].begin(), map.levels[1].end(), read.pixels.get()));

@@ -2,7 +2,7 @@
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -82,12 +82,12 @@ TEST_CASE("KTX of the first version has OpenGL's numbers, and sizes of a face be
 }
 
 TEST_CASE("a file of Filament's cmgen that is read and written has the same header and texels", "[codec][textures]") {
-  if (!shared_pictures_are_here()) return;
+  if (!shared_images_are_here()) return;
   constexpr std::size_t kFormat = 24, kMetadataBytes = 60, kMetadata = 64;
   const TemporaryDirectory directory;
   for (const char* name : {"konzerthaus_ibl", "park_ibl", "pillars_ibl", "konzerthaus_skybox"}) {
     CAPTURE(name);
-    const auto path = kPictures / "cube" / (std::string("open3d_") + name + ".ktx");
+    const auto path = kImages / "cube" / (std::string("open3d_") + name + ".ktx");
     const CubemapTexture texture = read_texture(path);
     TextureOptions options{.format = TexelFormat::b10g11r11};
     options.metadata = texture.metadata;
@@ -119,7 +119,7 @@ TEST_CASE("what KTX of the first version cannot hold is refused", "[codec][textu
         }).says("written as a cubemap alone"));
 }
 
-// Textures that are no single cubemap of ours: pictures, arrays, formats without alpha, and KTX of the first version.
+// Textures that are no single cubemap of ours: images, arrays, formats without alpha, and KTX of the first version.
 
 namespace {
 
@@ -214,7 +214,7 @@ constexpr std::uint32_t kRgb32f = 106, kRgba32f = 109, kB10g11r11 = 122, kE5b9g9
 
 }  // namespace
 
-TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
+TEST_CASE("KTX2 images are lat-longs, at each level", "[codec][textures]") {
   const Bytes file = ktx2({kRgba32f, 4, 4, 2, 0, 1}, {counted_floats(8, 4), counted_floats(2, 4)});
   const EnvironmentInfo info = inspect_environment({file, "texture"});
   CHECK(info.layout == Layout::lat_long);
@@ -233,7 +233,7 @@ TEST_CASE("KTX2 pictures are lat-longs, at each level", "[codec][textures]") {
   CHECK(reds(five, {.layout = Layout::lat_long}) == counting(1, 3, 5));
 }
 
-TEST_CASE("KTX2 pictures of packed floats are read", "[codec][textures]") {
+TEST_CASE("KTX2 images of packed floats are read", "[codec][textures]") {
   Bytes packed;
   for (const std::uint32_t exponent : {15U, 16U}) append(packed, exponent << 6U | 15U << 17U | 15U << 27U);
   CHECK(reds(ktx2({kB10g11r11, 4, 2, 1, 0, 1}, {packed})) == std::vector<float>{1.0F, 2.0F});
@@ -253,18 +253,18 @@ TEST_CASE("KTX2 formats without alpha are read", "[codec][textures]") {
 }
 
 TEST_CASE("An element of a KTX2 array is read by its number", "[codec][textures]") {
-  const Bytes pictures = ktx2({kRgb32f, 4, 2, 1, 3, 1}, {counted_floats(6, 3)});
+  const Bytes images = ktx2({kRgb32f, 4, 2, 1, 3, 1}, {counted_floats(6, 3)});
   const Bytes cubes = ktx2({kRgb32f, 4, 1, 1, 2, 6}, {counted_floats(12, 3)});
   ReadOptions options;
-  CHECK(reds(pictures) == counting(1, 3, 2));
+  CHECK(reds(images) == counting(1, 3, 2));
   options.element = 2;
-  CHECK(reds(pictures, options) == counting(13, 3, 2));
+  CHECK(reds(images, options) == counting(13, 3, 2));
   options.element = 1;
   CHECK(reds(cubes, options) == counting(19, 3, 6));
   options.element = 3;
-  CHECK(refusal(pictures, options).says("has no element 3; it has 3"));
+  CHECK(refusal(images, options).says("has no element 3; it has 3"));
   options.element = -1;
-  CHECK(refusal(pictures, options).says("has no element -1"));
+  CHECK(refusal(images, options).says("has no element -1"));
   options.element = 1;
   CHECK(refusal(ktx2({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)}), options).says("it is not an array"));
   CHECK(thrown_by([&] { static_cast<void>(read_texture({cubes, "texture"})); }).says("array of 2 cubemaps"));
@@ -282,7 +282,7 @@ TEST_CASE("KTX cubemaps of the first version are read, with their levels", "[cod
   CHECK(texture.cubemap.face(1, 5)[0] == 21.0F);
   CHECK(reds(file) == counting(1, 4, 24));
   CHECK(inspect_environment({file, "texture"}).format == FileFormat::ktx1);
-  // arrays count all of their bytes, and pictures too
+  // arrays count all of their bytes, and images too
   ReadOptions second{.element = 1};
   CHECK(reds(ktx1({kFloat, kRgba, 1, 1, 2, 6}, kRgba32fInternal, {counted_floats(12, 4)}), second) ==
         counting(25, 4, 6));
@@ -317,9 +317,9 @@ TEST_CASE("KTX files of the first version that are not for us are named for what
 }
 
 TEST_CASE("Filament's KTX environments hold the light that their own harmonics say", "[codec][textures]") {
-  if (!shared_pictures_are_here()) return;
+  if (!shared_images_are_here()) return;
   for (const char* name : {"konzerthaus", "park", "pillars"}) {
-    const auto path = kPictures / "cube" / (std::string("open3d_") + name + "_ibl.ktx");
+    const auto path = kImages / "cube" / (std::string("open3d_") + name + "_ibl.ktx");
     CAPTURE(path);
     const CubemapTexture texture = read_texture(path);
     CHECK(texture.cubemap.size() == 256);

@@ -2,11 +2,11 @@
 #include "image/uastc_hdr.h"
 
 #include "image/bc6h_kernels.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
@@ -17,7 +17,7 @@
 namespace welkin::test {
 
 // Promises: blocks are HDR ASTC, and of those only what Basis Universal's transcoders turn into BC6H; the bytes do not
-// depend on the instruction set nor on the number of threads; errors and means of real pictures' chains and of made-up
+// depend on the instruction set nor on the number of threads; errors and means of real images' chains and of made-up
 // ones stay within their bounds. tests/textures asks three.js and its transcoder, whether they read them.
 
 namespace {
@@ -158,8 +158,8 @@ TEST_CASE("UASTC HDR has the kinds of blocks that transcoders know, with ASTC's 
     }
   }
   std::vector<std::vector<LatLongView>> levels;
-  for (const CubemapView& view : chain.views()) levels.push_back(image::pictures_of(view));
-  const image::EncodedLevels encoded = image::encode_uastc_hdr_pictures(levels, Bc6hEffort::slow, {});
+  for (const CubemapView& view : chain.views()) levels.push_back(image::images_of(view));
+  const image::EncodedLevels encoded = image::encode_uastc_hdr_images(levels, Bc6hEffort::slow, {});
   std::set<std::uint32_t> seeds;
   int singles = 0;
   for (const image::EncodedLevels::Level& level : encoded.levels) {
@@ -224,7 +224,7 @@ TEST_CASE("UASTC HDR clamps what halves cannot hold, and counts it", "[codec][te
 TEST_CASE("UASTC HDR comes back within its errors, more effort with less", "[codec][textures][astc][uastc]") {
   const Cubemap sky = build_mips(make_cubemap(Content::high_range, 256, 3, 5).view());
   const Cubemap chain = prefilter_specular(sky.view(0), {.size = 128, .mips = 8}).cubemap;
-  double last = 0.16;  // the picture is noise
+  double last = 0.16;  // the image is noise
   for (const Bc6hEffort effort : kEfforts) {
     const double error = rms_error(read_back(written(chain, effort)), chain);
     CAPTURE(static_cast<int>(effort), error);
@@ -247,14 +247,14 @@ TEST_CASE("UASTC HDR keeps the mean of each channel where a sun has most of the 
   }
 }
 
-TEST_CASE("UASTC HDR errors and biases of real pictures' chains stay within their bounds",
-          "[codec][textures][astc][uastc][pictures][slow]") {
-  if (!shared_pictures_are_here()) return;
+TEST_CASE("UASTC HDR errors and biases of real images' chains stay within their bounds",
+          "[codec][textures][astc][uastc][images][slow]") {
+  if (!shared_images_are_here()) return;
   for (const char* const file : {"lebombo_1k.hdr", "studio_small_03_1k.hdr", "venice_sunset_1k.hdr"}) {
     CAPTURE(file);
     PrefilterOptions options{.size = 128, .mips = 8};
-    const Environment picture = read_environment(kPictures / "env" / file);
-    const Cubemap chain = prefilter_specular(picture.lat_long(), options).cubemap;
+    const Environment image = read_environment(kImages / "env" / file);
+    const Cubemap chain = prefilter_specular(image.lat_long(), options).cubemap;
     const Cubemap decoded = read_back(written(chain));
     CHECK(rms_error(decoded, chain) < 0.04);
     for (int level = 0; level < 4; ++level) CHECK(largest_bias(decoded, chain, level) < 0.004);

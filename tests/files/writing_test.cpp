@@ -167,7 +167,7 @@ TEST_CASE("An OpenEXR cube lies where OpenEXR looks for it", "[writers]") {
   }
 }
 
-TEST_CASE("Radiance pictures hold values to half a step of the largest component", "[writers]") {
+TEST_CASE("Radiance images hold values to half a step of the largest component", "[writers]") {
   const TemporaryFile path("sky.hdr");
   for (const auto& [width, height] : {std::pair{1, 2}, {7, 3}, {8, 4}, {257, 5}, {32767, 1}, {32768, 1}}) {
     LatLongImage map = some_lat_long(width, height);
@@ -197,7 +197,7 @@ TEST_CASE("Radiance pictures hold values to half a step of the largest component
   CHECK(std::string(bytes.data(), 10) == "#?RADIANCE");
 }
 
-TEST_CASE("Radiance pictures and PNGs count what they cannot hold", "[writers]") {
+TEST_CASE("Radiance images and PNGs count what they cannot hold", "[writers]") {
   const TemporaryDirectory directory;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const LatLongImage map{2, 1, {-1.0F, NAN, 0.5F, kInfinity, 3e38F, 0.25F}};
@@ -385,12 +385,12 @@ class GermanHost {
 
 /// What a bake is told to do, and why, and what is said of arguments that cannot be.
 std::string all_explanations() {
-  const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
+  const TestLatLong image = make_lat_long(Content::smooth, 16, 8, 3);
   SceneNeeds needs;
   needs.glossy = RoughnessRange{0.25, 0.75};
   BakeOptions options{.specular = PrefilterOptions{}};
   options.specular->size = 16;
-  std::string all = plan_text(plan(picture.view(), needs, options));
+  std::string all = plan_text(plan(image.view(), needs, options));
   const auto add_message = [&all](const auto& call) {
     try {
       call();
@@ -427,8 +427,8 @@ std::string all_texts(const TemporaryDirectory& folder) {
   add(project_file(pfm).radiance.at(0, 0).x);
 
   const std::filesystem::path hdr = folder.file("a.hdr");
-  const TestLatLong picture = make_lat_long(Content::smooth, 16, 8, 3);
-  write_environment(hdr, picture.view());
+  const TestLatLong image = make_lat_long(Content::smooth, 16, 8, 3);
+  write_environment(hdr, image.view());
   std::string text = read_text(hdr);
   const std::size_t line = text.find("FORMAT=");
   write_text(hdr, text.substr(0, line) + "EXPOSURE=1.25\nPRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329\n" +

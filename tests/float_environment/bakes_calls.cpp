@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calls.h"
-#include "pictures.h"
+#include "images.h"
 #include "support/temporary_directory.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calls.h"
-#include "pictures.h"
+#include "images.h"
 #include "support/temporary_directory.h"
 #include "welkin/environment_file.h"
 #include "welkin/welkin.h"

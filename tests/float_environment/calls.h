@@ -174,7 +174,7 @@ class Calls {
 
 /// Each calls the public functions of its subject.
 void call_harmonics(Calls& calls);
-void call_pictures(Calls& calls);
+void call_images(Calls& calls);
 void call_bakes(Calls& calls);
 void call_skies(Calls& calls);
 void call_files(Calls& calls);

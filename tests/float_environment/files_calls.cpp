@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calls.h"
-#include "pictures.h"
+#include "images.h"
 #include "support/chains.h"
 #include "support/temporary_directory.h"
 #include "welkin/bake_file.h"
@@ -15,7 +15,7 @@
 namespace welkin::test {
 namespace {
 
-void call_pictures_in_files(Calls& calls, const TemporaryDirectory& folder) {
+void call_images_in_files(Calls& calls, const TemporaryDirectory& folder) {
   const LatLongImage wide = small_lat_long();
   const LatLongImage dark = faint(wide);
   const Cubemap cube = small_cubemap();
@@ -115,7 +115,7 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
     write_babylon_environment(env, environment);
     return read_bytes(env);
   });
-  calls.call("rgbd_pictures(", [&] { return rgbd_pictures(chain).png; });
+  calls.call("rgbd_images(", [&] { return rgbd_images(chain).png; });
   calls.call("read_babylon_environment(", [&] { return read_babylon_environment(env).specular; });
   calls.call("mirrored_x(Cubemap", [&] { return mirrored_x(chain); });
   const Cubemap cube = small_cubemap();
@@ -137,7 +137,7 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
 
 void call_files(Calls& calls) {
   const TemporaryDirectory folder;
-  call_pictures_in_files(calls, folder);
+  call_images_in_files(calls, folder);
   call_textures(calls, folder);
 }
 

@@ -40,7 +40,7 @@ int main(int count, char** arguments) {
     report_traps();
     Calls calls(mode_named(arguments[1]));
     call_harmonics(calls);
-    call_pictures(calls);
+    call_images(calls);
     call_bakes(calls);
     call_skies(calls);
     call_files(calls);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calls.h"
-#include "pictures.h"
+#include "images.h"
 #include "support/small_skies.h"
 #include "welkin/requests.h"
 #include "welkin/resampling.h"

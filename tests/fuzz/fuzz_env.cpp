@@ -6,7 +6,7 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t count, std::size_t most);
 
-// The pictures of an .env begin where a PNG's signature stands. What follows a picture is no chunk of it, so mending
+// The images of an .env begin where a PNG's signature stands. What follows an image is no chunk of it, so mending
 // ends there by itself.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t count, std::size_t most,
                                                unsigned seed) {

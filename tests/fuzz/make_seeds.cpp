@@ -178,7 +178,7 @@ void make_png_seeds(const std::filesystem::path& directory) {
   }
 }
 
-/// Blocks of ASTC, cubemaps and pictures: none in a build without astcenc.
+/// Blocks of ASTC, cubemaps and images: none in a build without astcenc.
 void make_astc_seeds(const std::filesystem::path& directory) {
   int count = 0;
   for (const TexelFormat format : {TexelFormat::astc_4x4_hdr, TexelFormat::astc_6x6_hdr}) {
@@ -217,7 +217,7 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
   }
 }
 
-/// Cubemaps and pictures, alone and in arrays, of each format.
+/// Cubemaps and images, alone and in arrays, of each format.
 void make_ktx1_seeds(const std::filesystem::path& directory) {
   struct Kind {
     std::uint32_t type, format, internal, texel_bytes;
@@ -273,7 +273,7 @@ void make_env_seeds(const std::filesystem::path& directory) {
       const std::filesystem::path path = directory / ("seed" + std::to_string(count) + ".env");
       write_babylon_environment(path, environment);
       test::write_bytes(directory / ("webp" + std::to_string(count++) + ".env"),
-                        test::with_webp_pictures(test::read_bytes(path)));
+                        test::with_webp_images(test::read_bytes(path)));
     }
   }
 }

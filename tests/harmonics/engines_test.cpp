@@ -19,55 +19,55 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 // (u, v) in [0, 1), from the left and from the top.
-using ToPicture = std::function<glm::dvec2(const glm::dvec3&)>;
+using ToImage = std::function<glm::dvec2(const glm::dvec3&)>;
 
 glm::dvec2 wrapped(double u, double v) { return {u - std::floor(u), v}; }
 
 // LatLongView: direction = (sin lon cos lat, sin lat, cos lon cos lat), lon = pi - 2 pi u, lat = pi/2 - pi v.
-glm::dvec2 welkin_picture(const glm::dvec3& d) {
+glm::dvec2 welkin_image(const glm::dvec3& d) {
   return wrapped(0.5 - std::atan2(d.x, d.z) / (2.0 * kPi), 0.5 - std::asin(d.y) / kPi);
 }
 
 // v from the bottom in three of these, as textures have it: turned over here.
-glm::dvec2 babylon_picture(const glm::dvec3& d) {
+glm::dvec2 babylon_image(const glm::dvec3& d) {
   return wrapped(0.5 + std::atan2(d.x, d.z) / (2.0 * kPi), std::acos(d.y) / kPi);
 }
 
-glm::dvec2 three_picture(const glm::dvec3& d) {
+glm::dvec2 three_image(const glm::dvec3& d) {
   return wrapped(std::atan2(d.z, d.x) / (2.0 * kPi) + 0.5, 1.0 - (std::asin(d.y) / kPi + 0.5));
 }
 
 // cmgen: longitude from atan2(x, z), right +x, into a cubemap that is then mirrored in x.
-glm::dvec2 filament_picture(const glm::dvec3& d) {
+glm::dvec2 filament_image(const glm::dvec3& d) {
   return wrapped(0.5 * (std::atan2(-d.x, d.z) / kPi + 1.0), 0.5 - std::asin(d.y) / kPi);
 }
 
-glm::dvec2 gltf_picture(const glm::dvec3& d) {
+glm::dvec2 gltf_image(const glm::dvec3& d) {
   return wrapped(0.5 + 0.5 * std::atan2(d.z, d.x) / kPi, std::acos(d.y) / kPi);
 }
 
-glm::dvec2 unity_picture(const glm::dvec3& d) {
+glm::dvec2 unity_image(const glm::dvec3& d) {
   const double from_bottom = 1.0 - std::acos(d.y) / kPi;
   return wrapped(0.5 - std::atan2(d.z, d.x) * 0.5 / kPi, 1.0 - from_bottom);
 }
 
 // LookupLongLat(X, Y, Z) of the world's direction with y and z exchanged, and of cube faces likewise.
-glm::dvec2 unreal_picture(const glm::dvec3& world) {
+glm::dvec2 unreal_image(const glm::dvec3& world) {
   const glm::dvec3 d(world.x, world.z, world.y);
   return wrapped((1.0 + std::atan2(d.x, -d.z) / kPi) / 2.0, std::acos(d.y) / kPi);
 }
 
-glm::dvec2 blender_picture(const glm::dvec3& d) {
+glm::dvec2 blender_image(const glm::dvec3& d) {
   const double from_bottom = (std::acos(d.z) - kPi) / -kPi;
   return wrapped((std::atan2(d.y, d.x) - kPi) / (-2.0 * kPi), 1.0 - from_bottom);
 }
 
-glm::dvec2 godot_picture(const glm::dvec3& d) {
+glm::dvec2 godot_image(const glm::dvec3& d) {
   return wrapped(std::atan2(d.x, -d.z) / (2.0 * kPi), std::acos(d.y) / kPi);
 }
 
 // Where the engine's own code looks into a lat-long for a texel of a cube face; u, v in [-1, 1] from the left and top.
-using FaceToPicture = glm::dvec2 (*)(int face, double u, double v);
+using FaceToImage = glm::dvec2 (*)(int face, double u, double v);
 
 // glTF-IBL-Sampler: panoramaToCubeMap, which has y downwards in its directions and 0 on top in its textures.
 glm::dvec2 gltf_face(int face, double u, double v) {
@@ -85,25 +85,25 @@ glm::dvec2 unreal_face(int face, double u, double v) {
 }
 
 // PlayCanvas: calcReflection, which negates x, and toSphericalUv.
-glm::dvec2 playcanvas_picture(const glm::dvec3& d) {
+glm::dvec2 playcanvas_image(const glm::dvec3& d) {
   return wrapped(std::atan2(-d.x, d.z) / (2.0 * kPi) + 0.5, 0.5 - std::asin(d.y) / kPi);
 }
 
 struct Case {
   Engine engine;
-  ToPicture picture;
+  ToImage image;
   bool right_handed;
 };
 
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = {
-      {Engine::welkin, welkin_picture, true},         {Engine::openexr, welkin_picture, true},
-      {Engine::babylon, babylon_picture, false},      {Engine::three, three_picture, true},
-      {Engine::filament, filament_picture, true},     {Engine::gltf, gltf_picture, true},
-      {Engine::unity, unity_picture, false},          {Engine::unreal, unreal_picture, false},
-      {Engine::blender, blender_picture, true},       {Engine::godot, godot_picture, true},
-      {Engine::bevy, welkin_picture, true},           {Engine::usd, welkin_picture, true},
-      {Engine::playcanvas, playcanvas_picture, true}, {Engine::qt, three_picture, true}};
+      {Engine::welkin, welkin_image, true},         {Engine::openexr, welkin_image, true},
+      {Engine::babylon, babylon_image, false},      {Engine::three, three_image, true},
+      {Engine::filament, filament_image, true},     {Engine::gltf, gltf_image, true},
+      {Engine::unity, unity_image, false},          {Engine::unreal, unreal_image, false},
+      {Engine::blender, blender_image, true},       {Engine::godot, godot_image, true},
+      {Engine::bevy, welkin_image, true},           {Engine::usd, welkin_image, true},
+      {Engine::playcanvas, playcanvas_image, true}, {Engine::qt, three_image, true}};
   return all;
 }
 
@@ -135,8 +135,8 @@ TEST_CASE("a lat-long lies in an engine's axes where the engine's own formula pu
     const Convention& engine = convention(each.engine);
     INFO(engine.name);
     for (const glm::dvec3& direction : directions()) {
-      const glm::dvec2 by_engine = each.picture(engine.from_welkin * direction);
-      const glm::dvec2 by_welkin = welkin_picture(direction);
+      const glm::dvec2 by_engine = each.image(engine.from_welkin * direction);
+      const glm::dvec2 by_welkin = welkin_image(direction);
       REQUIRE(glm::length(by_engine - by_welkin) < 1e-12);
     }
   }
@@ -177,7 +177,7 @@ TEST_CASE("cube faces are looked up by the world's direction, but for x in three
 }
 
 TEST_CASE("an engine's own code fills the cube faces of a lat-long as the convention says", "[engine]") {
-  const std::pair<Engine, FaceToPicture> engines[] = {{Engine::gltf, gltf_face}, {Engine::unreal, unreal_face}};
+  const std::pair<Engine, FaceToImage> engines[] = {{Engine::gltf, gltf_face}, {Engine::unreal, unreal_face}};
   constexpr int kSize = 6;
   for (const auto& [engine, by_engine] : engines) {
     const Convention& of = convention(engine);
@@ -188,7 +188,7 @@ TEST_CASE("an engine's own code fills the cube faces of a lat-long as the conven
       const double column = texel % kSize + 0.5;
       const double row = texel / kSize % kSize + 0.5;
       const glm::dvec3 direction = glm::normalize(image::face_direction(kSize, face, column, row));
-      const glm::dvec2 expected = welkin_picture(from_faces * direction);
+      const glm::dvec2 expected = welkin_image(from_faces * direction);
       const glm::dvec2 found = by_engine(face, 2.0 * column / kSize - 1.0, 2.0 * row / kSize - 1.0);
       REQUIRE(glm::length(found - expected) < 1e-12);
     }

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "welkin/engines.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -207,7 +207,7 @@ double deviation(const EngineLight& light, const Terms& stored) {
 TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their photographs", "[engine][shared]") {
   const auto stored = recorded_harmonics("env polynomial (as stored)");
   if (stored.empty()) {
-    WARN("left out: the shared environments are not at " << kPictures);
+    WARN("left out: the shared environments are not at " << kImages);
     return;
   }
   const std::pair<const char*, const char*> pairs[] = {{"babylon_dikhololo_night_64.env", "dikhololo_night_1k.hdr"},
@@ -221,7 +221,7 @@ TEST_CASE("the .env files that Babylon.js baked hold the polynomials of their ph
     const Terms terms(stored.at(baked).begin(), stored.at(baked).end());
     ProjectionOptions options;
     options.pixels.clamp = RadianceClamp{};  // 4096, as Babylon.js has it
-    const SphericalHarmonics light = project_file(kPictures / "env" / photograph, {}, options).radiance;
+    const SphericalHarmonics light = project_file(kImages / "env" / photograph, {}, options).radiance;
     // It goes through cube faces of 64 to 256 texels, each the nearest pixel's: up to 3 % off.
     CHECK(deviation(engine_light(light, Engine::babylon), terms) < 0.04);
     const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);

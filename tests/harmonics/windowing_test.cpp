@@ -276,9 +276,9 @@ TEST_CASE("Windows that cannot be are refused, with what would do", "[sh][window
 namespace {
 
 LatLongImage halves(float upper, float lower) {
-  LatLongImage picture{64, 32, std::vector<float>(std::size_t{3} * 64 * 32, upper)};
-  std::fill(picture.pixels.begin() + 3 * 64 * 16, picture.pixels.end(), lower);
-  return picture;
+  LatLongImage image{64, 32, std::vector<float>(std::size_t{3} * 64 * 32, upper)};
+  std::fill(image.pixels.begin() + 3 * 64 * 16, image.pixels.end(), lower);
+  return image;
 }
 
 }  // namespace
@@ -292,7 +292,7 @@ TEST_CASE("exposure of harmonics takes the mean to middle grey", "[exposure]") {
   CHECK(exposure_of(constant_radiance(dvec3(std::numeric_limits<double>::quiet_NaN()), 3)) == 1.0);
 }
 
-TEST_CASE("exposure of a picture takes three quarters of what is lit to 0.36", "[exposure]") {
+TEST_CASE("exposure of an image takes three quarters of what is lit to 0.36", "[exposure]") {
   CHECK(exposure_of(halves(5.0F, 5.0F).view()) == Approx(0.36 / 5.0));
   CHECK(exposure_of(halves(8.0F, 2.0F).view()) == Approx(0.36 / 8.0));
   CHECK(exposure_of(halves(8.0F, 0.0F).view()) == Approx(0.36 / 8.0));  // black is not lit
@@ -305,13 +305,13 @@ TEST_CASE("exposure of a picture takes three quarters of what is lit to 0.36", "
 
 TEST_CASE("exposure weighs texels by solid angle, of cubes as of lat-longs, in every format", "[exposure]") {
   // The top third of the rows is 0.25 of the sphere: just the brightest quarter.
-  LatLongImage picture = halves(1.0F, 1.0F);
-  std::fill_n(picture.pixels.begin(), 3 * 64 * 10, 3.0F);
-  CHECK(exposure_of(picture.view()) == Approx(0.36));
-  std::fill_n(picture.pixels.begin(), 3 * 64 * 11, 3.0F);
-  CHECK(exposure_of(picture.view()) == Approx(0.12));
-  std::fill_n(picture.pixels.begin(), 3 * 64 * 13, 3.0F);  // no mixed texel of the cube is in question
-  CHECK(exposure_of(to_cubemap(picture.view(), 32).view()) == Approx(0.12).epsilon(1e-5));
+  LatLongImage image = halves(1.0F, 1.0F);
+  std::fill_n(image.pixels.begin(), 3 * 64 * 10, 3.0F);
+  CHECK(exposure_of(image.view()) == Approx(0.36));
+  std::fill_n(image.pixels.begin(), 3 * 64 * 11, 3.0F);
+  CHECK(exposure_of(image.view()) == Approx(0.12));
+  std::fill_n(image.pixels.begin(), 3 * 64 * 13, 3.0F);  // no mixed texel of the cube is in question
+  CHECK(exposure_of(to_cubemap(image.view(), 32).view()) == Approx(0.12).epsilon(1e-5));
   const std::vector<std::uint8_t> bytes(std::size_t{4} * 8 * 4, 255);
   CHECK(exposure_of(LatLongView{bytes.data(), 8, 4, 0, PixelFormat::rgba8}) == Approx(0.36));
   CHECK_THROWS_AS(exposure_of(LatLongView{}), Error);

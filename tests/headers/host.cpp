@@ -125,7 +125,7 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
   print("polynomial", glm::dvec3(welkin::evaluate(polynomial, direction)));
 }
 
-void call_pictures(const welkin::LatLongImage& image, const std::string& folder) {
+void call_images(const welkin::LatLongImage& image, const std::string& folder) {
   const glm::dmat3 rotation = welkin::rotation_about_y(35.0);
   const welkin::Cubemap cubemap = welkin::to_cubemap(image.view(), 16, rotation);
   print("to_cubemap", std::span<const float>(cubemap.pixels()));
@@ -155,7 +155,7 @@ void call_pictures(const welkin::LatLongImage& image, const std::string& folder)
   print("bake", std::span<const float>(bake.irradiance->pixels()));
   print("bake", bake.diagnostics);
 
-  const std::filesystem::path file = std::filesystem::path(folder) / "picture.pfm";
+  const std::filesystem::path file = std::filesystem::path(folder) / "image.pfm";
   welkin::write_environment(file, image.view());
   const welkin::EnvironmentStatistics statistics = welkin::measure_environment(file);
   print("file", glm::dvec3(statistics.minimum));
@@ -236,7 +236,7 @@ int main(int argc, char** argv) {
   print("projection", light.radiance);
   print("projection", light.diagnostics);
   call_harmonics(light.radiance);
-  call_pictures(image, argv[1]);
+  call_images(image, argv[1]);
   call_sky();
   return EXIT_SUCCESS;
 }

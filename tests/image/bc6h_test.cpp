@@ -2,12 +2,12 @@
 #include "image/bc6h.h"
 
 #include "image/bc6h_kernels.h"
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "image/pixels.h"
 #include "support/bc6h_files.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -123,8 +123,8 @@ TEST_CASE("rows of BC6H blocks are cut where they are asked for", "[image][bc6h]
 // Cubemaps to BC6H: the same bytes everywhere, errors that are what is said, and bounds on them.
 
 // Promises: the bytes do not depend on the instruction set nor on the number of threads; the kernels' errors are
-// exactly those of the blocks; what is beyond a picture's edge costs nothing; what cannot be held is counted; errors of
-// real pictures' chains and of a made-up one stay within their bounds, at every effort.
+// exactly those of the blocks; what is beyond an image's edge costs nothing; what cannot be held is counted; errors of
+// real images' chains and of a made-up one stay within their bounds, at every effort.
 
 namespace {
 
@@ -134,7 +134,7 @@ Cubemap sky(int size, Content content = Content::high_range) {
   return build_mips(make_cubemap(content, size, 3, 5).view());
 }
 
-/// 16 blocks of a picture, as `load` puts them.
+/// 16 blocks of an image, as `load` puts them.
 std::unique_ptr<image::BlockGroup> group_of(const Cubemap& chain, int first, const image::Bc6hKernels& kernels,
                                             bool is_signed) {
   auto group = std::make_unique<image::BlockGroup>();
@@ -212,14 +212,14 @@ TEST_CASE("BC6H kernels give the same blocks on every instruction set, and their
   const Cubemap chain = sky(64);
   const Cubemap noise = noisy_chain(64, 1, 4);
   for (const bool is_signed : {false, true}) {
-    for (const Cubemap* const picture : {&chain, &noise}) {
+    for (const Cubemap* const image : {&chain, &noise}) {
       image::EncodedBlocks first_single{};
       image::TwoLineBlocks first_pair{};
       image::EndTrials first_trials{};
       for (const InstructionSet set : available_instruction_sets()) {
         CAPTURE(is_signed, name(set));
         const image::Bc6hKernels& kernels = image::bc6h_kernels(set);
-        const auto group = group_of(*picture, 32, kernels, is_signed);
+        const auto group = group_of(*image, 32, kernels, is_signed);
         image::EncodedBlocks single{};
         image::TwoLineBlocks pair{};
         kernels.single_lines(*group, is_signed, true, single);
@@ -317,7 +317,7 @@ TEST_CASE("BC6H clamps what halves cannot hold, and counts texels once", "[image
 
 TEST_CASE("BC6H's estimate is near its error, and more effort has less", "[image][bc6h][slow]") {
   const Cubemap chain = prefilter_specular(sky(256).view(0), {.size = 128, .mips = 8}).cubemap;
-  double last = 0.15;  // the picture is noise, of which 14 % is lost with one line
+  double last = 0.15;  // the image is noise, of which 14 % is lost with one line
   for (const Bc6hEffort effort : kEfforts) {
     const Bc6hCubemap blocks = encode_bc6h(chain.views(), {effort});
     const std::vector<double> errors = bc6h_errors(blocks, chain.views());
@@ -346,17 +346,17 @@ TEST_CASE("BC6H keeps the mean of each channel where a sun has most of the light
   }
 }
 
-TEST_CASE("BC6H errors and biases of real pictures' chains stay within their bounds", "[image][bc6h][pictures][slow]") {
-  if (!shared_pictures_are_here()) return;
+TEST_CASE("BC6H errors and biases of real images' chains stay within their bounds", "[image][bc6h][images][slow]") {
+  if (!shared_images_are_here()) return;
   std::array<double, 3> sums{};
   const std::array names{"dikhololo_night_1k.hdr", "lebombo_1k.hdr",        "pmndrs_city.exr",
                          "potsdamer_platz_1k.hdr", "spruit_sunrise_1k.hdr", "studio_small_03_1k.hdr",
                          "venice_sunset_1k.hdr"};
   for (const char* const file : names) {
     CAPTURE(file);
-    const Environment picture = read_environment(kPictures / "env" / file);
+    const Environment image = read_environment(kImages / "env" / file);
     PrefilterOptions options{.size = 256, .mips = 9};
-    const Cubemap chain = prefilter_specular(picture.lat_long(), options).cubemap;
+    const Cubemap chain = prefilter_specular(image.lat_long(), options).cubemap;
     for (std::size_t effort = 0; effort < kEfforts.size(); ++effort) {
       const Bc6hCubemap blocks = encode_bc6h(chain.views(), {kEfforts[effort]});
       const double error = chain_error(blocks, chain);

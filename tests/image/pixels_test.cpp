@@ -10,7 +10,7 @@
 #include "support/catch.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"

@@ -9,7 +9,7 @@
 #include "support/coefficients.h"
 #include "support/exr_files.h"
 #include "support/heap.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
@@ -412,7 +412,7 @@ namespace {
 /// Octaves of noise as photographs have them, and a sun of one texel that is 1e6 times as bright.
 LatLongImage photograph_like(int width, int height) {
   std::mt19937 random(7);
-  LatLongImage picture{width, height, std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width * height))};
+  LatLongImage image{width, height, std::vector<float>(std::size_t{3} * static_cast<std::size_t>(width * height))};
   std::vector<double> stops(static_cast<std::size_t>(width * height));
   for (int block = 1; block <= 32; block *= 2) {
     std::vector<double> coarse(stops.size());
@@ -426,19 +426,18 @@ LatLongImage photograph_like(int width, int height) {
   }
   for (std::size_t texel = 0; texel < stops.size(); ++texel) {
     for (std::size_t c = 0; c < 3; ++c)
-      picture.pixels[3 * texel + c] =
-          static_cast<float>(std::exp2(stops[texel]) * (1.0 + 0.1 * static_cast<double>(c)));
+      image.pixels[3 * texel + c] = static_cast<float>(std::exp2(stops[texel]) * (1.0 + 0.1 * static_cast<double>(c)));
   }
   for (std::size_t c = 0; c < 3; ++c)
-    picture.pixels[3 * static_cast<std::size_t>(height / 3 * width + width / 2) + c] = 1e6F;
-  return picture;
+    image.pixels[3 * static_cast<std::size_t>(height / 3 * width + width / 2) + c] = 1e6F;
+  return image;
 }
 
-double row_sum(const LatLongImage& picture, int row, int channel) {
+double row_sum(const LatLongImage& image, int row, int channel) {
   double sum = 0.0;
-  for (int column = 0; column < picture.width; ++column)
+  for (int column = 0; column < image.width; ++column)
     sum += static_cast<double>(
-        picture.pixels[3 * static_cast<std::size_t>(row * picture.width + column) + static_cast<std::size_t>(channel)]);
+        image.pixels[3 * static_cast<std::size_t>(row * image.width + column) + static_cast<std::size_t>(channel)]);
   return sum;
 }
 
@@ -447,20 +446,20 @@ double row_sum(const LatLongImage& picture, int row, int channel) {
 TEST_CASE("A lat-long that is turned by a share of a texel stays sharp and keeps each row's light",
           "[image][resampling]") {
   constexpr int kWidth = 256;
-  const LatLongImage picture = photograph_like(kWidth, 128);
-  const double before = sharpness(picture.view());
-  const float least = *std::ranges::min_element(picture.pixels);
-  const float largest = *std::ranges::max_element(picture.pixels);
+  const LatLongImage image = photograph_like(kWidth, 128);
+  const double before = sharpness(image.view());
+  const float least = *std::ranges::min_element(image.pixels);
+  const float largest = *std::ranges::max_element(image.pixels);
   const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
   for (const double texels : {0.1, 0.25, 0.5, 0.75, 33.4}) {
     for (const bool mirrored : {false, true}) {
       const glm::dmat3 rotation = rotation_about_y(360.0 * texels / kWidth) * (mirrored ? mirror : glm::dmat3(1.0));
-      const LatLongImage rotated = to_lat_long(picture.view(), kWidth, picture.height, rotation);
+      const LatLongImage rotated = to_lat_long(image.view(), kWidth, image.height, rotation);
       INFO(texels << (mirrored ? " mirrored" : "") << ": " << sharpness(rotated.view()) / before);
       CHECK(sharpness(rotated.view()) >= 0.9 * before);
       CHECK(sharpness(rotated.view()) <= before);
-      for (int row = 0; row < picture.height; ++row) {
-        for (int c = 0; c < 3; ++c) CHECK(row_sum(rotated, row, c) == Approx(row_sum(picture, row, c)).epsilon(1e-6));
+      for (int row = 0; row < image.height; ++row) {
+        for (int c = 0; c < 3; ++c) CHECK(row_sum(rotated, row, c) == Approx(row_sum(image, row, c)).epsilon(1e-6));
       }
       CHECK(std::ranges::all_of(rotated.pixels, [&](float value) { return value >= least && value <= largest; }));
     }
@@ -472,12 +471,12 @@ TEST_CASE("A smooth lat-long that is turned by a share of a texel is closer than
   // cos(3 longitude): exact but for what cubic convolution loses of a wave of 40 texels.
   constexpr int kWidth = 120;
   const auto wave = [&](double shift) {
-    LatLongImage picture{kWidth, 4, {}};
+    LatLongImage image{kWidth, 4, {}};
     for (int texel = 0; texel < 4 * kWidth; ++texel) {
       const double longitude = std::acos(-1.0) * (1.0 - 2.0 * (texel % kWidth + 0.5 + shift) / kWidth);
-      for (int c = 0; c < 3; ++c) picture.pixels.push_back(static_cast<float>(2.0 + std::cos(3.0 * longitude)));
+      for (int c = 0; c < 3; ++c) image.pixels.push_back(static_cast<float>(2.0 + std::cos(3.0 * longitude)));
     }
-    return picture;
+    return image;
   };
   const LatLongImage rotated = to_lat_long(wave(0.0).view(), kWidth, 4, rotation_about_y(360.0 * 0.3 / kWidth));
   const LatLongImage wanted = wave(0.3);
@@ -495,10 +494,10 @@ TEST_CASE("Narrow rows, uniform ones, NaN and infinity are turned by a share of 
     const LatLongImage rotated = to_lat_long(grey.view(), width, 2, rotation_about_y(360.0 * 0.37 / width));
     for (const float value : rotated.pixels) CHECK(value == 0.1F);
   }
-  LatLongImage picture{16, 2, std::vector<float>(96, 0.5F)};
-  picture.pixels[3 * 4] = std::numeric_limits<float>::quiet_NaN();
-  picture.pixels[3 * 4 + 1] = std::numeric_limits<float>::infinity();
-  const LatLongImage rotated = to_lat_long(picture.view(), 16, 2, rotation_about_y(360.0 * 0.25 / 16));
+  LatLongImage image{16, 2, std::vector<float>(96, 0.5F)};
+  image.pixels[3 * 4] = std::numeric_limits<float>::quiet_NaN();
+  image.pixels[3 * 4 + 1] = std::numeric_limits<float>::infinity();
+  const LatLongImage rotated = to_lat_long(image.view(), 16, 2, rotation_about_y(360.0 * 0.25 / 16));
   for (std::size_t column = 0; column < 16; ++column) {
     const bool touched = column == 3 || column == 4;
     INFO(column);

@@ -5,7 +5,7 @@
 
 #include "image/geometry.h"
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "transform/direct_transform.h"

@@ -12,7 +12,7 @@
 namespace welkin::test {
 
 // Promise: directions come in proportion to the light of a texel's area, exactly as often as the density says, from
-// pictures of any size, whatever is in them.
+// images of any size, whatever is in them.
 
 namespace {
 
@@ -205,7 +205,7 @@ TEST_CASE("importance: estimates agree with the integral and vary as predicted",
       total += luminance(image, column, row) * image::lat_long_texel_solid_angle(64, 32, row);
     }
   }
-  // Coarser than the picture, so that there is variance left.
+  // Coarser than the image, so that there is variance left.
   for (const auto& [width, height] : {std::array{16, 8}, std::array{13, 7}}) {
     const ImportanceTable table = importance_table(image.view(), {.width = width, .height = height});
     CHECK(table.integral == Approx(total).epsilon(1e-6));
@@ -241,7 +241,7 @@ TEST_CASE("importance: compensation takes the mean away", "[importance]") {
     CHECK(static_cast<double>(table.function[k]) == Approx(expected).epsilon(1e-5));
   }
   CHECK(importance_variance(image.view(), table).table == std::numeric_limits<double>::infinity());
-  // Nothing lies above an even picture's mean: its table stays even.
+  // Nothing lies above an even image's mean: its table stays even.
   const LatLongImage flat = grey_lat_long(33, 17, 0.7F);
   CHECK(same(importance_table(flat.view(), {.mis_compensation = true}), importance_table(flat.view())));
 }

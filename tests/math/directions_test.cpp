@@ -71,16 +71,16 @@ std::vector<Taking> calls_about_light() {
   };
 }
 
-std::vector<Taking> calls_about_pictures() {
-  const auto picture = std::make_shared<LatLongImage>(grey_lat_long(16, 8, 1.0F));
-  picture->pixels[100] = 30.0F;
-  const LatLongView view = picture->view();
+std::vector<Taking> calls_about_images() {
+  const auto image = std::make_shared<LatLongImage>(grey_lat_long(16, 8, 1.0F));
+  image->pixels[100] = 30.0F;
+  const LatLongView view = image->view();
   const auto table = std::make_shared<ImportanceTable>(importance_table(view));
   return {
-      {"direct_irradiance", [=](const dvec3& d) { return numbers(direct_irradiance(picture->view(), d)); }},
-      {"reference_specular", [=](const dvec3& d) { return numbers(reference_specular(picture->view(), 0.5, {d})[0]); }},
+      {"direct_irradiance", [=](const dvec3& d) { return numbers(direct_irradiance(image->view(), d)); }},
+      {"reference_specular", [=](const dvec3& d) { return numbers(reference_specular(image->view(), 0.5, {d})[0]); }},
       {"reference_by_lobe",
-       [=](const dvec3& d) { return numbers(reference_by_lobe(picture->view(), ZonalLobe::lambert(), {d})[0]); }},
+       [=](const dvec3& d) { return numbers(reference_by_lobe(image->view(), ZonalLobe::lambert(), {d})[0]); }},
       {"ImportanceTable::density", [=](const dvec3& d) { return std::vector<double>{table->density(d)}; }},
   };
 }
@@ -127,7 +127,7 @@ void check(const Taking& taking) {
 
 TEST_CASE("directions of any length are normalised, those without one are refused", "[directions]") {
   for (const Taking& taking : calls_about_light()) check(taking);
-  for (const Taking& taking : calls_about_pictures()) check(taking);
+  for (const Taking& taking : calls_about_images()) check(taking);
   for (const Taking& taking : calls_about_skies()) check(taking);
 }
 
@@ -143,12 +143,11 @@ TEST_CASE("directions of unit length are taken as they are, bit by bit", "[direc
 }
 
 TEST_CASE("directions that are refused are numbered among many", "[directions]") {
-  const LatLongImage picture = grey_lat_long(4, 2, 1.0F);
+  const LatLongImage image = grey_lat_long(4, 2, 1.0F);
   const std::vector<dvec3> normals = {{0, 1, 0}, {3, 0, 0}, {0, 0, 0}};
-  CHECK(
-      thrown_by([&] { static_cast<void>(direct_irradiance(picture.view(), normals)); }).says("normal 2 is (0, 0, 0)"));
+  CHECK(thrown_by([&] { static_cast<void>(direct_irradiance(image.view(), normals)); }).says("normal 2 is (0, 0, 0)"));
   CHECK(thrown_by([&] {
-          static_cast<void>(reference_specular(picture.view(), 0.5, normals));
+          static_cast<void>(reference_specular(image.view(), 0.5, normals));
         }).says("direction 2 is (0, 0, 0)"));
 }
 

@@ -31,13 +31,13 @@ void require(bool condition, const char* what) {
 bool near(double value, double wanted) { return std::abs(value - wanted) < 1e-4 * std::abs(wanted); }
 
 /// Everything is 2: the light of every direction, and each of its harmonics' sums, is known.
-welkin::LatLongImage even_picture() {
+welkin::LatLongImage even_image() {
   return {2 * kSize, kSize, std::vector<float>(std::size_t{2} * kSize * kSize * 3, 2.0F)};
 }
 
 void pixels_to_light() {
-  const welkin::LatLongImage picture = even_picture();
-  const welkin::Cubemap faces = welkin::to_cubemap(picture.view(), kSize);
+  const welkin::LatLongImage image = even_image();
+  const welkin::Cubemap faces = welkin::to_cubemap(image.view(), kSize);
   const welkin::SphericalHarmonics radiance = welkin::project(faces.view()).radiance;
   const welkin::SphericalHarmonics irradiance = welkin::irradiance_from_radiance(radiance);
   const glm::dvec3 up(0.0, 1.0, 0.0);
@@ -63,27 +63,27 @@ void sky_to_light() {
 }
 
 void plan_and_worker() {
-  const welkin::LatLongImage picture = even_picture();
+  const welkin::LatLongImage image = even_image();
   welkin::BakeOptions whole;
   whole.specular->size = kSize;
   whole.irradiance->size = 4;
-  const welkin::Plan plan = welkin::plan(picture.view(), {.background = false, .brdf_table = false}, whole);
+  const welkin::Plan plan = welkin::plan(image.view(), {.background = false, .brdf_table = false}, whole);
   require(!plan.passes.empty(), "the plan has no passes");
-  require(near(welkin::bake(picture.view(), plan).radiance->coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)),
+  require(near(welkin::bake(image.view(), plan).radiance->coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)),
           "the planned bake has other light");
   welkin::Worker worker;
-  auto job = worker.post(welkin::Project{even_picture()});
+  auto job = worker.post(welkin::Project{even_image()});
   require(near(job.get().radiance.coefficients().front().x, 2.0 * std::sqrt(4.0 * kPi)), "the worker's light differs");
 }
 
 void c_interface() {
-  const welkin::LatLongImage picture = even_picture();
+  const welkin::LatLongImage image = even_image();
   welkin_environment view;
   WELKIN_INIT(view);
   view.format = WELKIN_FORMAT_RGB_F32;
-  view.faces[0] = picture.pixels.data();
-  view.width = picture.width;
-  view.height = picture.height;
+  view.faces[0] = image.pixels.data();
+  view.width = image.width;
+  view.height = image.height;
   welkin_projection projection;
   WELKIN_INIT(projection);
   require(welkin_project(&view, 1, nullptr, nullptr, &projection) == WELKIN_OK, welkin_last_error());

@@ -10,9 +10,9 @@
 namespace welkin::portability {
 namespace {
 
-std::vector<std::byte> written(const std::string& name, const LatLongImage& picture) {
+std::vector<std::byte> written(const std::string& name, const LatLongImage& image) {
   std::vector<std::byte> bytes;
-  write_environment({bytes, name}, picture.view());
+  write_environment({bytes, name}, image.view());
   return bytes;
 }
 
@@ -22,10 +22,10 @@ void print_bytes(const std::string& name, const std::vector<std::byte>& bytes) {
   std::printf("%s %016llx\n", name.c_str(), static_cast<unsigned long long>(hash.value()));
 }
 
-void pictures() {
+void images() {
   for (const int size : kSizes) {
     for (const char* extension : {".hdr", ".pfm"}) {
-      const std::string name = std::string("picture") + extension;
+      const std::string name = std::string("image") + extension;
       const std::vector<std::byte> file = written(name, lat_long(size, 21));
       const Environment read = read_environment({file, name}, {.layout = Layout::lat_long});
       const std::vector<float> pixels(read.pixels.get(), read.pixels.get() + 6 * size * size);
@@ -50,6 +50,6 @@ void bakes() {
 }  // namespace welkin::portability
 
 int main() {
-  welkin::portability::pictures();
+  welkin::portability::images();
   welkin::portability::bakes();
 }

@@ -3,7 +3,7 @@
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/heap.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"

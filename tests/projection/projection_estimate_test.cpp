@@ -1,4 +1,4 @@
-// Promise: the error estimate of a projection is at least its true error, whatever the picture is, and says no more
+// Promise: the error estimate of a projection is at least its true error, whatever the image is, and says no more
 // than some times that where it is known: by the midpoint rule, to a target size, by all ways to a projection alike.
 #include "image/geometry.h"
 #include "math/elementary.h"
@@ -107,7 +107,7 @@ TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estim
   }
 }
 
-// Promise: one program integrates pictures over kernels, and its truths agree: a kernel is shared out among all texels,
+// Promise: one program integrates images over kernels, and its truths agree: a kernel is shared out among all texels,
 // and a cosine is the same by whatever name it comes.
 
 namespace {

@@ -290,7 +290,7 @@ TEST_CASE("Large faces: what is not finite is replaced, counted, and leaves othe
 TEST_CASE("Large faces: finite texels whose sums overflow a float are summed in double", "[projection][strip]") {
   TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 9);
   TestCubemap scaled = cubemap;
-  // The scaled picture's moments are beyond a float; the coefficients, sums of values times 1e-5, are not.
+  // The scaled image's moments are beyond a float; the coefficients, sums of values times 1e-5, are not.
   for (std::size_t k = 0; k < cubemap.pixels.size(); ++k) {
     const float value = k % 5 == 0 ? cubemap.pixels[k] : 0.0F;
     cubemap.pixels[k] = value;

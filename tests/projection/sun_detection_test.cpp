@@ -1,4 +1,4 @@
-// Suns in pictures: found where they are and nowhere else, taken out without a loss, real ones as well.
+// Suns in images: found where they are and nowhere else, taken out without a loss, real ones as well.
 #include "projection/sun_detection.h"
 
 #include "image/geometry.h"

@@ -5,7 +5,7 @@
 #include "reference/reference_projection.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"

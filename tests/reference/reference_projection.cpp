@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A rectangle of the domain on which a picture lives: (u, v) of a cubemap face, or longitude and latitude.
+/// A rectangle of the domain on which an image lives: (u, v) of a cubemap face, or longitude and latitude.
 struct Rectangle {
   double x0, x1, y0, y1;
 };
@@ -35,7 +35,7 @@ struct DomainPoint {
 using Domain = std::function<DomainPoint(double x, double y)>;
 
 /// Pixels in double after the policies, width x height, row 0 on top, and where texels lie in the domain.
-struct Picture {
+struct Image {
   int width;
   int height;
   std::vector<glm::dvec3> radiance;
@@ -103,21 +103,20 @@ void for_each_cell(int index, int count, int cells, const std::function<void(int
   }
 }
 
-/// Averages a picture to `width` x `height` texels, by solid angle or by plain area of pixels.
-Picture reduce(const Domain& domain, const Picture& picture, int width, int height, bool by_solid_angle) {
-  Picture reduced{width, height, {}, picture.extent};
+/// Averages an image to `width` x `height` texels, by solid angle or by plain area of pixels.
+Image reduce(const Domain& domain, const Image& image, int width, int height, bool by_solid_angle) {
+  Image reduced{width, height, {}, image.extent};
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<double> areas(count);
   reduced.radiance.resize(count);
-  const TexelRule rule = texel_rule(std::min(picture.width, picture.height));
-  for (int row = 0; row < picture.height; ++row) {
-    for (int column = 0; column < picture.width; ++column) {
-      const glm::dvec3 radiance =
-          picture.radiance[static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
-                           static_cast<std::size_t>(column)];
-      for_each_cell(row, picture.height, height, [&](int cell_row, double row0, double row1) {
-        for_each_cell(column, picture.width, width, [&](int cell_column, double column0, double column1) {
-          const double area = by_solid_angle ? solid_angle(domain, picture.texels(column0, column1, row0, row1), rule)
+  const TexelRule rule = texel_rule(std::min(image.width, image.height));
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
+      const glm::dvec3 radiance = image.radiance[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                                                 static_cast<std::size_t>(column)];
+      for_each_cell(row, image.height, height, [&](int cell_row, double row0, double row1) {
+        for_each_cell(column, image.width, width, [&](int cell_column, double column0, double column1) {
+          const double area = by_solid_angle ? solid_angle(domain, image.texels(column0, column1, row0, row1), rule)
                                              : (column1 - column0) * (row1 - row0);
           const auto cell = static_cast<std::size_t>(cell_row) * static_cast<std::size_t>(width) +
                             static_cast<std::size_t>(cell_column);
@@ -131,18 +130,18 @@ Picture reduce(const Domain& domain, const Picture& picture, int width, int heig
   return reduced;
 }
 
-void add_picture(const Domain& domain, const Picture& picture, Quadrature quadrature, SphericalHarmonics& sum) {
+void add_image(const Domain& domain, const Image& image, Quadrature quadrature, SphericalHarmonics& sum) {
   std::vector<double> basis(sum.coefficients().size());
   const auto add = [&](const glm::dvec3& direction, const glm::dvec3& total_radiance) {
     math::evaluate_basis(direction.x, direction.y, direction.z, sum.bands(), basis.data());
     for (std::size_t k = 0; k < basis.size(); ++k) sum.coefficients()[k] += total_radiance * basis[k];
   };
-  const TexelRule rule = texel_rule(std::min(picture.width, picture.height));
+  const TexelRule rule = texel_rule(std::min(image.width, image.height));
   std::size_t index = 0;
-  for (int row = 0; row < picture.height; ++row) {
-    for (int column = 0; column < picture.width; ++column, ++index) {
-      const glm::dvec3& radiance = picture.radiance[index];
-      const Rectangle texel = picture.texels(column, column + 1.0, row, row + 1.0);
+  for (int row = 0; row < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column, ++index) {
+      const glm::dvec3& radiance = image.radiance[index];
+      const Rectangle texel = image.texels(column, column + 1.0, row, row + 1.0);
       if (quadrature == Quadrature::exact) {
         integrate(domain, texel, rule,
                   [&](const glm::dvec3& direction, double weight) { add(direction, weight * radiance); });
@@ -154,10 +153,10 @@ void add_picture(const Domain& domain, const Picture& picture, Quadrature quadra
   }
 }
 
-/// Decodes and sanitizes a picture's texels.
-Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelFormat format, int width, int height,
-                     const Rectangle& extent, const projection::Sanitizer& policy) {
-  Picture picture{width, height, {}, extent};
+/// Decodes and sanitizes an image's texels.
+Image read_image(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelFormat format, int width, int height,
+                 const Rectangle& extent, const projection::Sanitizer& policy) {
+  Image image{width, height, {}, extent};
   const auto texel_bytes = static_cast<std::ptrdiff_t>(bytes_per_texel(format));
   const std::ptrdiff_t row_bytes = row_stride_bytes != 0 ? row_stride_bytes : texel_bytes * width;
   for (int row = 0; row < height; ++row) {
@@ -169,10 +168,10 @@ Picture read_picture(const void* pixels, std::ptrdiff_t row_stride_bytes, PixelF
       projection::SanitizeRecord record;
       policy.sanitize({rgb, 1, 0, row, column, &no_weight, 1, 0.0}, record);
       projection::throw_if_rejected(record, false);
-      picture.radiance.emplace_back(rgb[0], rgb[1], rgb[2]);
+      image.radiance.emplace_back(rgb[0], rgb[1], rgb[2]);
     }
   }
-  return picture;
+  return image;
 }
 
 }  // namespace
@@ -196,12 +195,12 @@ SphericalHarmonics reference_projection(const CubemapView& cubemap, const Projec
       const double r = std::sqrt(1.0 + u * u + v * v);
       return {(u * frame.u + v * frame.v + frame.normal) / r, 1.0 / (r * r * r)};
     };
-    Picture picture = read_picture(cubemap.faces[static_cast<std::size_t>(face)], cubemap.row_stride_bytes,
-                                   cubemap.format, cubemap.size, cubemap.size, {-1.0, 1.0, -1.0, 1.0}, policy);
+    Image image = read_image(cubemap.faces[static_cast<std::size_t>(face)], cubemap.row_stride_bytes, cubemap.format,
+                             cubemap.size, cubemap.size, {-1.0, 1.0, -1.0, 1.0}, policy);
     if (options.target_size && *options.target_size < cubemap.size) {
-      picture = reduce(domain, picture, *options.target_size, *options.target_size, true);
+      image = reduce(domain, image, *options.target_size, *options.target_size, true);
     }
-    add_picture(domain, picture, options.quadrature, sum);
+    add_image(domain, image, options.quadrature, sum);
   }
   return sum;
 }
@@ -213,15 +212,14 @@ SphericalHarmonics reference_projection(const LatLongView& lat_long, const Proje
     const double ring = std::cos(latitude);
     return {{std::sin(longitude) * ring, std::sin(latitude), std::cos(longitude) * ring}, ring};
   };
-  Picture picture =
-      read_picture(lat_long.pixels, lat_long.row_stride_bytes, lat_long.format, lat_long.width, lat_long.height,
-                   {kPi, -kPi, 0.5 * kPi, -0.5 * kPi}, projection::Sanitizer(options.pixels));
+  Image image = read_image(lat_long.pixels, lat_long.row_stride_bytes, lat_long.format, lat_long.width, lat_long.height,
+                           {kPi, -kPi, 0.5 * kPi, -0.5 * kPi}, projection::Sanitizer(options.pixels));
   if (options.target_size) {
-    picture = reduce(domain, picture, std::min(picture.width, 4 * *options.target_size),
-                     std::min(picture.height, 2 * *options.target_size), options.quadrature == Quadrature::exact);
+    image = reduce(domain, image, std::min(image.width, 4 * *options.target_size),
+                   std::min(image.height, 2 * *options.target_size), options.quadrature == Quadrature::exact);
   }
   SphericalHarmonics sum(options.bands);
-  add_picture(domain, picture, options.quadrature, sum);
+  add_image(domain, image, options.quadrature, sum);
   return sum;
 }
 

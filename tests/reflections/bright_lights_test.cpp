@@ -20,7 +20,7 @@ constexpr double kReach = 9.25;
 
 /// Texels of a disc on a lat-long of 1024 x 512 or the fifth face of a cubemap of 256, another colour on each side, and
 /// one near the edge a thousand times as bright.
-std::vector<reflections::BrightTexel> disc(const reflections::PictureShape& shape, int radius) {
+std::vector<reflections::BrightTexel> disc(const reflections::ImageShape& shape, int radius) {
   std::vector<reflections::BrightTexel> texels;
   std::vector<double> angles(static_cast<std::size_t>(shape.columns));
   for (int row = 100 - radius; row <= 100 + radius; ++row) {
@@ -41,7 +41,7 @@ std::vector<reflections::BrightTexel> disc(const reflections::PictureShape& shap
 }
 
 /// A lobe's integral over the texels, each cut in `cuts` x `cuts`, in double. `lobe`: of a cosine.
-glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const reflections::PictureShape& shape,
+glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const reflections::ImageShape& shape,
                     const auto& lobe, const glm::dvec3& direction, int cuts) {
   glm::dvec3 sum(0.0);
   for (const reflections::BrightTexel& texel : texels) {
@@ -73,7 +73,7 @@ struct Off {
   double relative = 0.0;  ///< at any texel that is not below `dark` of the brightest
 };
 
-Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflections::PictureShape& shape,
+Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflections::ImageShape& shape,
            const reflections::BrightLights& lights, const reflections::LightsLobe& blurred, const auto& lobe, int size,
            std::size_t step, double dark, int cuts = 8) {
   const auto face_floats = std::size_t{3} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
@@ -104,8 +104,8 @@ Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflection
 }  // namespace
 
 TEST_CASE("Lights that are merged give what their texels give", "[specular][bright][truth]") {
-  for (const reflections::PictureShape& shape :
-       {reflections::PictureShape{false, 1024, 512}, reflections::PictureShape{true, 256, 256}}) {
+  for (const reflections::ImageShape& shape :
+       {reflections::ImageShape{false, 1024, 512}, reflections::ImageShape{true, 256, 256}}) {
     const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
     const reflections::BrightLights lights(texels, shape, {reflections::LightsOf::ggx, 0.012}, kReach);
     for (const double alpha : some_of(2, {0.012, 0.05, 0.4, 1.0})) {
@@ -127,7 +127,7 @@ TEST_CASE("Lights that are merged give what their texels give", "[specular][brig
 
 TEST_CASE("Lights are merged and interpolated sooner at looser bounds, and their estimate says so",
           "[specular][bright][truth]") {
-  const reflections::PictureShape shape{false, 1024, 512};
+  const reflections::ImageShape shape{false, 1024, 512};
   for (const int radius : {6, 0}) {
     const std::vector<reflections::BrightTexel> texels = disc(shape, radius);
     const auto lights_within = [&](double bound) {
@@ -157,7 +157,7 @@ TEST_CASE("Lights are merged and interpolated sooner at looser bounds, and their
 TEST_CASE("Lights may be left out of texels where they are dim, and of no others", "[specular][bright]") {
   constexpr int size = 64;
   constexpr std::size_t values = std::size_t{18} * size * size;
-  const reflections::PictureShape shape{true, 256, 256};
+  const reflections::ImageShape shape{true, 256, 256};
   const reflections::BrightLights lights(disc(shape, 9), shape, {reflections::LightsOf::ggx, 0.012}, kReach);
   const auto lit = [&](double alpha, double least, double& left_out) {
     const reflections::Lobe ggx(alpha);
@@ -189,7 +189,7 @@ TEST_CASE("Lights may be left out of texels where they are dim, and of no others
 }
 
 TEST_CASE("Lights through a kernel give what their texels give", "[kernels][bright][truth]") {
-  const reflections::PictureShape shape{false, 1024, 512};
+  const reflections::ImageShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 9);
   for (const ZonalLobe& kernel : some_of(2, {ZonalLobe::lambert(), ZonalLobe::charlie(0.3), ZonalLobe::phong(0.5)})) {
     const double scale = kernel.lobe()->scale();
@@ -208,7 +208,7 @@ TEST_CASE("Lights through a kernel give what their texels give", "[kernels][brig
 
 TEST_CASE("Lights that are wider than an annular kernel is steep give what their texels give",
           "[kernels][bright][slow]") {
-  const reflections::PictureShape shape{false, 1024, 512};
+  const reflections::ImageShape shape{false, 1024, 512};
   const std::vector<reflections::BrightTexel> texels = disc(shape, 7);
   const ZonalLobe kernel = ZonalLobe::charlie(0.06);
   reflections::LightLobes lobes{reflections::LightsOf::any};
@@ -286,7 +286,7 @@ struct Lamp {
   float light;
 };
 
-/// A picture of 1 with lamps, and what its mips are in truth: 1 and the lamps' own lobes, integrated in double.
+/// An image of 1 with lamps, and what its mips are in truth: 1 and the lamps' own lobes, integrated in double.
 class LampRoom {
  public:
   /// `height` 0: a cubemap.
@@ -397,7 +397,7 @@ const std::vector<float> kLights{1e4F, 1e6F, 1e8F};
 
 }  // namespace
 
-TEST_CASE("A lamp in a small picture leaves rough mips as bright as the darkest of it", "[specular][bright][lamps]") {
+TEST_CASE("A lamp in a small image leaves rough mips as bright as the darkest of it", "[specular][bright][lamps]") {
   const PrefilteredSpecular result = LampRoom(128, 64, {{2500, 1e6F}}).prefilter({.size = 256});
   for (int level = 1; level < static_cast<int>(result.mips.size()); ++level) {
     const std::span<const float> values = level_values(result.cubemap, level);
@@ -429,8 +429,7 @@ TEST_CASE("Several lamps, some a thousand times as bright as others, leave all m
   }
 }
 
-TEST_CASE("Lamps over a picture of many values leave all mips within their bounds",
-          "[specular][bright][lamps][truth]") {
+TEST_CASE("Lamps over an image of many values leave all mips within their bounds", "[specular][bright][lamps][truth]") {
   for (const float light : kLights) {
     TestLatLong source = make_lat_long(Content::random, 32, 16, 3);
     for (const std::size_t texel : {33U, 300U, 301U, 511U}) std::fill_n(source.pixels.begin() + 3 * texel, 3, light);

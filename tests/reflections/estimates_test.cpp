@@ -11,9 +11,9 @@ namespace welkin::test {
 namespace {
 
 double largest_median(const std::string& kind) {
-  // Few of the levels that are picked have an error to speak of, and smooth pictures of odd sizes more than their
+  // Few of the levels that are picked have an error to speak of, and smooth images of odd sizes more than their
   // share.
-  // A bound for any picture: on faces of 4 to 16 texels with many bands it is loose.
+  // A bound for any image: on faces of 4 to 16 texels with many bands it is loose.
   if (kind == "projection, midpoint rule, cubemap") return 8.0;
   // Safe beside the lights of small cubemaps, whose mips meet a lamp's peak or miss it.
   if (kind == "prefilter, spectral, cubemap") return 8.0;

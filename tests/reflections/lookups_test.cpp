@@ -6,7 +6,7 @@
 #include "perf/report/passes.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/environment_file.h"
@@ -91,9 +91,9 @@ TEST_CASE("between mips: estimates are what direct integration finds", "[specula
 }
 
 TEST_CASE("between mips: estimates hold on a photograph", "[specular][lookups][slow]") {
-  if (!shared_pictures_are_here()) return;
-  const Environment picture = read_environment((kPictures / "env" / "lebombo_1k.hdr").string());
-  check_estimates(to_lat_long(picture.lat_long(), 64, 32).view());
+  if (!shared_images_are_here()) return;
+  const Environment image = read_environment((kImages / "env" / "lebombo_1k.hdr").string());
+  check_estimates(to_lat_long(image.lat_long(), 64, 32).view());
 }
 
 TEST_CASE("between mips: records have errors where they are known", "[specular][lookups][slow]") {
@@ -131,7 +131,7 @@ TEST_CASE("fitted lobes: rising from a mirror, near those of the schedule", "[sp
   CHECK(thrown_by([] { (void)fitted_mip_roughness(RoughnessSchedule::linear, 17, 4); }).says("mips"));
 }
 
-TEST_CASE("fitted lobes: no other lobes near by show a typical picture better", "[specular][lookups]") {
+TEST_CASE("fitted lobes: no other lobes near by show a typical image better", "[specular][lookups]") {
   std::vector<float> energies{9.0F};
   for (int l = 1; l < 512; ++l) energies.push_back(static_cast<float>((2.0 * l + 1.0) / std::pow(l, 2.5)));
   for (const RoughnessSchedule schedule : kSchedules) {

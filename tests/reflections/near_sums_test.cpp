@@ -173,7 +173,7 @@ TEST_CASE("near weights: directions are as many as are counted for, of odd sizes
 }
 
 // Two images have the texels on the diagonals of a face.
-TEST_CASE("near sums of a turned picture are turned near sums, to the last bit", "[prefilter][near]") {
+TEST_CASE("near sums of a turned image are turned near sums, to the last bit", "[prefilter][near]") {
   const auto rotated = [](const std::vector<float>& faces, int size) {
     std::vector<float> result(faces.size());
     for (int k = 0; k < 6 * size * size; ++k) {

@@ -3,7 +3,7 @@
 
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "welkin/image.h"
 #include "welkin/reflections.h"

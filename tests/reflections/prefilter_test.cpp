@@ -8,7 +8,7 @@
 #include "support/chains.h"
 #include "support/coefficients.h"
 #include "support/heap.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -139,7 +139,7 @@ TEST_CASE("What the prefilter cannot do is refused with a word", "[specular][pre
   CHECK(rejected.says("row 2, column 5"));
 }
 
-// Promise: any size of source and result, any chain, any kind of picture; black stays black, what is uniform stays so.
+// Promise: any size of source and result, any chain, any kind of image; black stays black, what is uniform stays so.
 
 TEST_CASE("A uniform environment keeps its value in every mip, whatever the sizes", "[specular][prefilter]") {
   for (const int size : {1, 2, 7, 64, 257}) {

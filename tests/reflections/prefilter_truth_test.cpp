@@ -4,7 +4,7 @@
 #include "reflections/lobe.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
@@ -207,9 +207,9 @@ TEST_CASE("The whole reference is the truth at each texel's centre", "[specular]
 }
 
 TEST_CASE("Real environments are blurred to within the default bounds", "[specular][prefilter][truth]") {
-  if (!shared_pictures_are_here()) return;
+  if (!shared_images_are_here()) return;
   for (const char* const file : {"venice_sunset_1k.hdr", "dikhololo_night_1k.hdr", "lebombo_1k.hdr"}) {
-    const std::filesystem::path path = kPictures / "env" / file;
+    const std::filesystem::path path = kImages / "env" / file;
     if (!std::filesystem::exists(path)) continue;
     CAPTURE(file);
     const Environment environment = read_environment(path);
@@ -310,7 +310,7 @@ TEST_CASE("Values at the end of the floats do not end at infinity, and the darke
   }
 }
 
-TEST_CASE("The total radiance that is reported is the picture's", "[specular][prefilter]") {
+TEST_CASE("The total radiance that is reported is the image's", "[specular][prefilter]") {
   const LatLongImage source = lit_sky(256, {32, 38, 1e4F, 0.2F});
   const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 64});
   const double sun = 1e4 * image::lat_long_texel_solid_angle(256, 128, 38);

@@ -124,17 +124,17 @@ TEST_CASE("halved faces have the same bits with every instruction set", "[prefil
   force_instruction_set(before);
 }
 
-// How many bands and rings the prefilter takes: as few as the bounds allow, more for pictures that need them.
+// How many bands and rings the prefilter takes: as few as the bounds allow, more for images that need them.
 
 namespace {
 
-Cubemap picture(int size, const std::function<float(const glm::dvec3&)>& light) {
+Cubemap image(int size, const std::function<float(const glm::dvec3&)>& light) {
   return cubemap_of(size, [&](const glm::dvec3& d) { return glm::dvec3(static_cast<double>(light(d))); });
 }
 
 /// Rings of latitude of one frequency.
 Cubemap stripes(int size, double frequency) {
-  return picture(size, [=](const glm::dvec3& d) { return std::sin(frequency * std::asin(d.y)) > 0.0 ? 1.0F : 0.01F; });
+  return image(size, [=](const glm::dvec3& d) { return std::sin(frequency * std::asin(d.y)) > 0.0 ? 1.0F : 0.01F; });
 }
 
 int bands_of(const Cubemap& image, const PrefilterOptions& options) {
@@ -158,7 +158,7 @@ TEST_CASE("Each looser bound takes fewer bands and rings", "[specular][bands]") 
     bands = own;
     rings = reflections::rings_within(kAlpha, bounds);
   }
-  // 264 and 540 were taken whatever the picture
+  // 264 and 540 were taken whatever the image
   CHECK(reflections::bands_within(kAlpha, {}) <= 208);
   CHECK(reflections::rings_within(kAlpha, {}) <= 320.0);
 }
@@ -201,16 +201,16 @@ TEST_CASE("A bound of 1e-4 begins with hardly more bands than one of 1e-3", "[sp
   }
 }
 
-TEST_CASE("A bound of 1e-4 is kept by one transform of an even picture", "[specular][bands]") {
+TEST_CASE("A bound of 1e-4 is kept by one transform of an even image", "[specular][bands]") {
   const Cubemap even =
-      picture(64, [](const glm::dvec3& d) { return static_cast<float>(1.5 + d.x + 0.3 * std::sin(9.0 * d.y)); });
+      image(64, [](const glm::dvec3& d) { return static_cast<float>(1.5 + d.x + 0.3 * std::sin(9.0 * d.y)); });
   const PrefilteredSpecular result = prefilter_specular(even.view(), {.size = 64, .mips = 3, .rms_error = 1.001e-4});
   const auto again = [](const PassRecord& pass) { return pass.name == "energies"; };
   CHECK(std::ranges::none_of(result.pixels.passes, again));
   for (const MipRecord& mip : result.mips) CHECK(mip.bands <= 80);  // 240 were taken
 }
 
-TEST_CASE("A picture takes its bands at once where the transform has enough", "[specular][bands]") {
+TEST_CASE("An image takes its bands at once where the transform has enough", "[specular][bands]") {
   const Cubemap fine = stripes(64, 20.0);
   const PrefilteredSpecular result =
       prefilter_specular(fine.view(), {.size = 64, .mips = 3, .method = PrefilterMethod::spectral, .rms_error = 3e-2});
@@ -219,10 +219,10 @@ TEST_CASE("A picture takes its bands at once where the transform has enough", "[
   CHECK(*result.mips[1].error_estimate <= 3e-2);
 }
 
-TEST_CASE("Pictures with more energy than most take more bands", "[specular][bands]") {
+TEST_CASE("Images with more energy than most take more bands", "[specular][bands]") {
   const PrefilterOptions options{.size = 16, .mips = 1, .roughness = {0.2}, .method = PrefilterMethod::spectral};
   const int usual = reflections::plan_prefilter(options).bands;
-  CHECK(bands_of(picture(32, [](const glm::dvec3& d) { return static_cast<float>(2.0 + d.x); }), options) <= usual);
+  CHECK(bands_of(image(32, [](const glm::dvec3& d) { return static_cast<float>(2.0 + d.x); }), options) <= usual);
   const Cubemap fine = stripes(64, 78.0);
   const PrefilteredSpecular result = prefilter_specular(fine.view(), options);
   CHECK(result.mips.front().bands > reflections::plan_prefilter(options).mips.front().bands.bands());
@@ -230,7 +230,7 @@ TEST_CASE("Pictures with more energy than most take more bands", "[specular][ban
 }
 
 TEST_CASE("Bands that a small cubemap's lobe will take are foreseen within reason", "[kernels][bands]") {
-  const Cubemap noise = picture(64, [](const glm::dvec3& d) {
+  const Cubemap noise = image(64, [](const glm::dvec3& d) {
     return static_cast<float>(1.5 + std::sin(9.0 * d.x) +
                               (std::sin(71.0 * d.x + 53.0 * d.y + 97.0 * d.z) > 0.9 ? 20.0 : 0.0));
   });

@@ -219,7 +219,7 @@ TEST_CASE("Kernels that cannot be are refused, and those that are too sharp for 
   }));
 }
 
-TEST_CASE("Kernels take bands by the energy of the picture", "[zonal]") {
+TEST_CASE("Kernels take bands by the energy of the image", "[zonal]") {
   const auto bands = [](Content content, double roughness) {
     const TestLatLong source = make_lat_long(content, 64, 32, 5);
     const PrefilteredSpecular result =
@@ -367,7 +367,7 @@ TEST_CASE("A mip by a kernel keeps its bits where others are left out", "[zonal]
   CHECK(part.mips[0].error_estimate == whole.mips[1].error_estimate);
 }
 
-TEST_CASE("Pictures too dark or too bright for floats are blurred by kernels through a scale", "[zonal]") {
+TEST_CASE("Images too dark or too bright for floats are blurred by kernels through a scale", "[zonal]") {
   const TestCubemap source = make_cubemap(Content::random, 8, 3, 2);
   const LobeChainOptions options{.size = 4, .lobes = {ZonalLobe::charlie(0.5)}};
   const PrefilteredSpecular unscaled = prefilter_by_lobes(source.view(), options);

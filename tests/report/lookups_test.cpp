@@ -12,7 +12,7 @@
 namespace welkin::test {
 namespace {
 
-Cubemap picture_chain() {
+Cubemap image_chain() {
   return prefilter_specular(make_lat_long(Content::blocks, 64, 32, 5).view(), {.size = 8, .mips = 4}).cubemap;
 }
 
@@ -24,7 +24,7 @@ dvec3 texel(const Cubemap& chain, int level, int face, int row, int column) {
 }  // namespace
 
 TEST_CASE("report: a lookup finds texels at their centres, and what lies between two levels", "[report][lookups]") {
-  const Cubemap chain = picture_chain();
+  const Cubemap chain = image_chain();
   for (int face = 0; face < 6; ++face) {
     for (const int row : {0, 3, 7}) {
       const int column = 7 - row / 2;
@@ -39,7 +39,7 @@ TEST_CASE("report: a lookup finds texels at their centres, and what lies between
 }
 
 TEST_CASE("report: a lookup shows no seams, and at a corner the mean of three texels", "[report][lookups]") {
-  const Cubemap chain = picture_chain();
+  const Cubemap chain = image_chain();
   for (const dvec3& edge : {dvec3(1, 0.3, 1), dvec3(-1, 1, 0.7), dvec3(0.1, -1, -1)}) {
     const dvec3 aside = 1e-9 * dvec3(1, -1, 2);
     CHECK(glm::distance(report::lookup(chain, 0, edge + aside), report::lookup(chain, 0, edge - aside)) < 1e-6);
@@ -50,7 +50,7 @@ TEST_CASE("report: a lookup shows no seams, and at a corner the mean of three te
 
 TEST_CASE("report: chains of engines are brought into Welkin's axes", "[report][lookups]") {
   const auto same = [](float a, float b) { return a == b; };
-  const Cubemap chain = picture_chain();
+  const Cubemap chain = image_chain();
   const Convention& babylon = convention(Engine::babylon);
   const dmat3 faces = *babylon.faces_from_engine * babylon.from_welkin;
   CHECK(all_values(report::from_axes(mirrored_x(chain), faces), chain, same));

@@ -44,8 +44,8 @@ BakeResult light_alone(const EnvironmentView& view) {
   return bake(view, plan(view, {.diffuse_bands = 3, .glossy = std::nullopt, .background = false}, five_bands));
 }
 
-LatLongImage wide_picture() { return {96, 48, make_lat_long(Content::sun_disc, 96, 48, 71).pixels}; }
-Cubemap cube_picture() { return {24, make_cubemap(Content::high_range, 24, 3, 72).pixels}; }
+LatLongImage wide_image() { return {96, 48, make_lat_long(Content::sun_disc, 96, 48, 71).pixels}; }
+Cubemap cube_image() { return {24, make_cubemap(Content::high_range, 24, 3, 72).pixels}; }
 
 struct NamedNeeds {
   const char* name;
@@ -69,8 +69,8 @@ const std::vector<NamedNeeds>& scenes() {
 class SomeFiles {
  public:
   SomeFiles() {
-    write_environment(path("wide.pfm"), wide_picture().view());
-    write_environment(path("wide.hdr"), wide_picture().view());
+    write_environment(path("wide.pfm"), wide_image().view());
+    write_environment(path("wide.hdr"), wide_image().view());
     const Cubemap chain = noisy_chain(16, 5, 4);
     const auto radiance = project(chain.view(0)).radiance;
     write_babylon_environment(path("light.env"), to_babylon(chain, radiance));
@@ -132,8 +132,8 @@ std::uint64_t bits_of_sky_light(Worker& worker, const std::shared_ptr<const SkyT
 }  // namespace
 
 TEST_CASE("Whole bakes are the same as before", "[same_as_before]") {
-  const LatLongImage wide = wide_picture();
-  const Cubemap cube = cube_picture();
+  const LatLongImage wide = wide_image();
+  const Cubemap cube = cube_image();
   const TestLatLongHalf half = make_lat_long_half(Content::special_values, 61, 30, 73, 4);
   const TestCubemap odd = make_cubemap(Content::special_values, 15, 4, 74);
   BakeOptions without_bands = small_bake();
@@ -158,8 +158,8 @@ TEST_CASE("Whole bakes are the same as before", "[same_as_before]") {
 }
 
 TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
-  const LatLongImage wide = wide_picture();
-  const Cubemap cube = cube_picture();
+  const LatLongImage wide = wide_image();
+  const Cubemap cube = cube_image();
   std::vector<NamedResult> results;
   for (const NamedNeeds& scene : scenes()) {
     std::string name = "lat_long_";
@@ -192,8 +192,8 @@ TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
 }
 
 TEST_CASE("Results of the cache, computed and found, are the same as before", "[same_as_before]") {
-  const LatLongImage wide = wide_picture();
-  const Cubemap cube = cube_picture();
+  const LatLongImage wide = wide_image();
+  const Cubemap cube = cube_image();
   const SomeFiles files;
   const LightTransform change{
       .exposure = 1.5, .rotation = glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)), .keep_faces = true};
@@ -220,8 +220,8 @@ TEST_CASE("Results of the cache, computed and found, are the same as before", "[
 }
 
 TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
-  const auto wide = std::make_shared<const LatLongImage>(wide_picture());
-  const auto cube = std::make_shared<const Cubemap>(cube_picture());
+  const auto wide = std::make_shared<const LatLongImage>(wide_image());
+  const auto cube = std::make_shared<const Cubemap>(cube_image());
   const SomeFiles files;
   const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth_bruneton(), tiny_tables()));
   const glm::dvec3 sun = sun_direction(25.0, 60.0);

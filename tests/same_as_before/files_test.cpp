@@ -68,19 +68,19 @@ Cubemap some_cubemap(int size) {
 
 LatLongImage some_lat_long(Content content) { return {50, 25, make_lat_long(content, 50, 25, 62).pixels}; }
 
-std::vector<char> picture_bytes(const char* file_name, const LatLongImage& picture, const WriteOptions& options = {}) {
-  return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
+std::vector<char> image_bytes(const char* file_name, const LatLongImage& image, const WriteOptions& options = {}) {
+  return bytes_of(file_name, [&](const auto& path) { write_environment(path, image.view(), options); });
 }
 
-std::vector<char> picture_bytes(const char* file_name, const Cubemap& picture, const WriteOptions& options = {}) {
-  return bytes_of(file_name, [&](const auto& path) { write_environment(path, picture.view(), options); });
+std::vector<char> image_bytes(const char* file_name, const Cubemap& image, const WriteOptions& options = {}) {
+  return bytes_of(file_name, [&](const auto& path) { write_environment(path, image.view(), options); });
 }
 
-template <class Picture>
-Environment picture_back(const char* file_name, const Picture& picture, const WriteOptions& options = {},
-                         const ReadOptions& read_options = {}) {
+template <class Image>
+Environment image_back(const char* file_name, const Image& image, const WriteOptions& options = {},
+                       const ReadOptions& read_options = {}) {
   return read_back(
-      file_name, [&](const auto& path) { write_environment(path, picture.view(), options); },
+      file_name, [&](const auto& path) { write_environment(path, image.view(), options); },
       [&](const auto& path) { return read_environment(path, read_options); });
 }
 
@@ -127,22 +127,22 @@ std::uint64_t bits_of_environment(const BabylonEnvironment& environment) {
 
 }  // namespace
 
-TEST_CASE("Bytes of pictures are the same as before", "[same_as_before]") {
+TEST_CASE("Bytes of images are the same as before", "[same_as_before]") {
   const LatLongImage wide = some_lat_long(Content::high_range);
   const LatLongImage special = some_lat_long(Content::special_values);
   const Cubemap cube = some_cubemap(9);
   require_as_recorded(
-      "picture_bytes",
+      "image_bytes",
       {
-          {"hdr_lat_long", [&] { return picture_bytes("a.hdr", wide); }},
-          {"hdr_special_values", [&] { return picture_bytes("a.hdr", special); }},
-          {"hdr_vertical_strip", [&] { return picture_bytes("a.hdr", cube); }},
-          {"hdr_horizontal_cross", [&] { return picture_bytes("a.hdr", cube, {.layout = Layout::horizontal_cross}); }},
-          {"pfm_lat_long", [&] { return picture_bytes("a.pfm", wide); }},
-          {"pfm_special_values", [&] { return picture_bytes("a.pfm", special); }},
-          {"pfm_vertical_strip", [&] { return picture_bytes("a.pfm", cube); }},
-          {"pfm_horizontal_strip", [&] { return picture_bytes("a.pfm", cube, {.layout = Layout::horizontal_strip}); }},
-          {"pfm_vertical_cross", [&] { return picture_bytes("a.pfm", cube, {.layout = Layout::vertical_cross}); }},
+          {"hdr_lat_long", [&] { return image_bytes("a.hdr", wide); }},
+          {"hdr_special_values", [&] { return image_bytes("a.hdr", special); }},
+          {"hdr_vertical_strip", [&] { return image_bytes("a.hdr", cube); }},
+          {"hdr_horizontal_cross", [&] { return image_bytes("a.hdr", cube, {.layout = Layout::horizontal_cross}); }},
+          {"pfm_lat_long", [&] { return image_bytes("a.pfm", wide); }},
+          {"pfm_special_values", [&] { return image_bytes("a.pfm", special); }},
+          {"pfm_vertical_strip", [&] { return image_bytes("a.pfm", cube); }},
+          {"pfm_horizontal_strip", [&] { return image_bytes("a.pfm", cube, {.layout = Layout::horizontal_strip}); }},
+          {"pfm_vertical_cross", [&] { return image_bytes("a.pfm", cube, {.layout = Layout::vertical_cross}); }},
           {"pfm_six_files",
            [&] {
              const TemporaryDirectory folder;
@@ -158,7 +158,7 @@ TEST_CASE("Bytes of pictures are the same as before", "[same_as_before]") {
       });
 }
 
-TEST_CASE("Pictures that were written and read are the same as before", "[same_as_before]") {
+TEST_CASE("Images that were written and read are the same as before", "[same_as_before]") {
   const LatLongImage wide = some_lat_long(Content::high_range);
   const LatLongImage dim = some_lat_long(Content::random);
   const LatLongImage special = some_lat_long(Content::special_values);
@@ -166,19 +166,19 @@ TEST_CASE("Pictures that were written and read are the same as before", "[same_a
   const auto write_exr = [&](const auto& path) { write_environment(path, wide.view()); };
   const SampleType f32 = SampleType::float32;
   require_as_recorded(
-      "picture_back",
+      "image_back",
       {
-          {"exr_half", [&] { return picture_back("a.exr", wide); }},
-          {"exr_float", [&] { return picture_back("a.exr", wide, {.type = f32}); }},
-          {"exr_special_values", [&] { return picture_back("a.exr", special, {.type = f32}); }},
-          {"exr_cubemap", [&] { return picture_back("a.exr", cube); }},
-          {"exr_cross", [&] { return picture_back("a.exr", cube, {.layout = Layout::vertical_cross, .type = f32}); }},
-          {"hdr", [&] { return picture_back("a.hdr", wide); }},
-          {"hdr_strip", [&] { return picture_back("a.hdr", cube, {.layout = Layout::horizontal_strip}); }},
-          {"pfm", [&] { return picture_back("a.pfm", special); }},
-          {"png_8", [&] { return picture_back("a.png", dim); }},
-          {"png_16", [&] { return picture_back("a.png", dim, {.type = SampleType::uint16}); }},
-          {"png_linear", [&] { return picture_back("a.png", dim, {}, {.transfer = Transfer::linear}); }},
+          {"exr_half", [&] { return image_back("a.exr", wide); }},
+          {"exr_float", [&] { return image_back("a.exr", wide, {.type = f32}); }},
+          {"exr_special_values", [&] { return image_back("a.exr", special, {.type = f32}); }},
+          {"exr_cubemap", [&] { return image_back("a.exr", cube); }},
+          {"exr_cross", [&] { return image_back("a.exr", cube, {.layout = Layout::vertical_cross, .type = f32}); }},
+          {"hdr", [&] { return image_back("a.hdr", wide); }},
+          {"hdr_strip", [&] { return image_back("a.hdr", cube, {.layout = Layout::horizontal_strip}); }},
+          {"pfm", [&] { return image_back("a.pfm", special); }},
+          {"png_8", [&] { return image_back("a.png", dim); }},
+          {"png_16", [&] { return image_back("a.png", dim, {.type = SampleType::uint16}); }},
+          {"png_linear", [&] { return image_back("a.png", dim, {}, {.transfer = Transfer::linear}); }},
           {"exr_projected",
            [&] { return read_back("a.exr", write_exr, [](const auto& path) { return project_file(path); }); }},
           {"exr_projected_at_target",
@@ -311,8 +311,8 @@ TEST_CASE("Packed bytes are the same as before, with the same compressors", "[sa
                                  {"env", [&] { return environment_bytes(plain); }},
                                  {"env_with_irradiance", [&] { return environment_bytes(full); }},
                                  {"ktx2", ktx2(Supercompression::zlib)},
-                                 {"png_8", [&] { return picture_bytes("a.png", dim); }},
-                                 {"png_16", [&] { return picture_bytes("a.png", dim, {.type = SampleType::uint16}); }},
+                                 {"png_8", [&] { return image_bytes("a.png", dim); }},
+                                 {"png_16", [&] { return image_bytes("a.png", dim, {.type = SampleType::uint16}); }},
                              });
   require_packed_as_recorded("zstd", "ZSTD_versionString", {{"ktx2", ktx2(Supercompression::zstd)}});
 }

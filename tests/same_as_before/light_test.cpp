@@ -69,16 +69,16 @@ std::uint64_t bits_of_errors(const std::vector<IrradianceError>& errors) {
   return hash.value();
 }
 
-/// The picture without its sun, and the sun.
+/// The image without its sun, and the sun.
 template <class Image>
 std::uint64_t bits_without_sun(Image image, const SunOptions& options = {}) {
   const std::optional<Sun> sun = extract_sun(image, options);
   return bits_of(image, sun);
 }
 
-LatLongImage wide_picture(Content content) { return {128, 64, make_lat_long(content, 128, 64, 31).pixels}; }
+LatLongImage wide_image(Content content) { return {128, 64, make_lat_long(content, 128, 64, 31).pixels}; }
 
-Cubemap cube_picture(Content content) { return {64, make_cubemap(content, 64, 3, 32).pixels}; }
+Cubemap cube_image(Content content) { return {64, make_cubemap(content, 64, 3, 32).pixels}; }
 
 }  // namespace
 
@@ -212,17 +212,17 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
 TEST_CASE("Suns are found and taken out as before", "[same_as_before]") {
   require_as_recorded("sun",
                       {
-                          {"lat_long_disc", [] { return bits_without_sun(wide_picture(Content::sun_disc)); }},
-                          {"cubemap_disc", [] { return bits_without_sun(cube_picture(Content::sun_disc)); }},
-                          {"lat_long_texel", [] { return bits_without_sun(wide_picture(Content::one_texel_sun)); }},
-                          {"cubemap_texel", [] { return bits_without_sun(cube_picture(Content::one_texel_sun)); }},
+                          {"lat_long_disc", [] { return bits_without_sun(wide_image(Content::sun_disc)); }},
+                          {"cubemap_disc", [] { return bits_without_sun(cube_image(Content::sun_disc)); }},
+                          {"lat_long_texel", [] { return bits_without_sun(wide_image(Content::one_texel_sun)); }},
+                          {"cubemap_texel", [] { return bits_without_sun(cube_image(Content::one_texel_sun)); }},
                           {"lat_long_wide",
                            [] {
-                             return bits_without_sun(wide_picture(Content::high_range),
+                             return bits_without_sun(wide_image(Content::high_range),
                                                      {.relative_threshold = 0.5, .maximum_radius_degrees = 40.0});
                            }},
-                          {"lat_long_none", [] { return bits_without_sun(wide_picture(Content::smooth)); }},
-                          {"cubemap_none", [] { return bits_without_sun(cube_picture(Content::special_values)); }},
+                          {"lat_long_none", [] { return bits_without_sun(wide_image(Content::smooth)); }},
+                          {"cubemap_none", [] { return bits_without_sun(cube_image(Content::special_values)); }},
                       });
 }
 

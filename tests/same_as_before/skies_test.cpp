@@ -165,7 +165,7 @@ TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
       });
 }
 
-TEST_CASE("Views of skies and their pictures are the same as before", "[same_as_before]") {
+TEST_CASE("Views of skies and their images are the same as before", "[same_as_before]") {
   const auto earth_tables = tables(earth_bruneton(), tables_of(2));
   const SkyView ground(earth_tables, 0.0);
   const SkyView high(earth_tables, 10'000.0);

@@ -161,7 +161,7 @@ TEST_CASE("brightness between suns falls as an exponential does, and swings nowh
 // The light of the night, and skies by suns deep below the horizon.
 
 // Promise: where an atmosphere asks for it, the zenith of the night has the luminance asked for, by night and by day;
-// irradiance, harmonics, curves and pictures have it too.
+// irradiance, harmonics, curves and images have it too.
 
 namespace {
 

@@ -38,10 +38,10 @@ std::vector<float> numbers(std::mt19937& generator, std::size_t count, double lo
   return values;
 }
 
-/// Two heights, four pictures and the suns of a ray, at random.
+/// Two heights, four images and the suns of a ray, at random.
 struct Scene {
   std::mt19937 generator{11};
-  std::vector<float> molecules[2], pictures[4], steps[2];
+  std::vector<float> molecules[2], images[4], steps[2];
   std::vector<float> sun, nu, fraction;
   std::vector<std::int32_t> row;
   sky::SourceSample sample{};
@@ -56,8 +56,8 @@ struct Scene {
       for (int c = 0; c < 3; ++c) sample.molecule_weights[k][c] = 0.1F * static_cast<float>(1 + k + c);
     }
     for (int k = 0; k < 4; ++k) {
-      pictures[k] = numbers(generator, 4 * kAngles * kNodes, 0.0, 1.0);
-      sample.pictures[k] = pictures[k].data();
+      images[k] = numbers(generator, 4 * kAngles * kNodes, 0.0, 1.0);
+      sample.images[k] = images[k].data();
       for (int c = 0; c < 3; ++c) sample.weights[k][c] = 0.05F * static_cast<float>(1 + k + c);
     }
     sample.count = 4;
@@ -85,12 +85,12 @@ struct Scene {
     return std::max(0.0, sum);
   }
 
-  [[nodiscard]] double pictures_at(std::size_t i, int node, std::size_t c) const {
+  [[nodiscard]] double images_at(std::size_t i, int node, std::size_t c) const {
     double rows[2]{};
     for (std::size_t k = 0; k < 4; ++k) {
       for (int next = 0; next < 2; ++next) {
         const auto at = static_cast<std::size_t>(4 * (row[i] + next * kNodes + node)) + c;
-        rows[next] += static_cast<double>(sample.weights[k][c]) * static_cast<double>(pictures[k][at]);
+        rows[next] += static_cast<double>(sample.weights[k][c]) * static_cast<double>(images[k][at]);
       }
     }
     return rows[0] + static_cast<double>(fraction[i]) * (rows[1] - rows[0]);
@@ -105,7 +105,7 @@ struct Scene {
     return mixed(below) + (step - below) * (mixed(below + 1) - mixed(below));
   }
 
-  [[nodiscard]] double expected(std::size_t i, std::size_t c, bool with_molecules, bool with_pictures) const {
+  [[nodiscard]] double expected(std::size_t i, std::size_t c, bool with_molecules, bool with_images) const {
     const double mu = 0.98 * static_cast<double>(sun[i]) + 0.04 * static_cast<double>(nu[i]);
     const double inside = std::clamp(mu, -1.0, 1.0);
     const double a = std::max(std::sqrt(inside * inside + 0.019) - inside - 0.0094, 0.0) * 7.8;
@@ -118,7 +118,7 @@ struct Scene {
     double ends[2]{};
     for (int k = 0; k < 2; ++k) {
       if (with_molecules) ends[k] += molecules_at(node + k, c, q);
-      if (with_pictures) ends[k] += pictures_at(i, node + k, c);
+      if (with_images) ends[k] += images_at(i, node + k, c);
       ends[k] /= brightness(static_cast<double>((node + k) * sky::kSunSteps));
     }
     return brightness(position * sky::kSunSteps) * (ends[0] + (position - node) * (ends[1] - ends[0]));
@@ -203,9 +203,9 @@ TEST_CASE("Light of a source along a ray is its twin's in double", "[sky][tables
     for (const int kinds : {1, 2, 3}) {
       Scene scene;
       const bool molecules = (kinds & 1) != 0;
-      const bool pictures = (kinds & 2) != 0;
+      const bool images = (kinds & 2) != 0;
       if (!molecules) scene.sample.molecules[0] = nullptr;
-      if (!pictures) scene.sample.count = 0;
+      if (!images) scene.sample.count = 0;
       const sky::SkySuns suns{scene.sun.data(), scene.nu.data(), scene.row.data(), scene.fraction.data(), kCount};
       std::vector<float> scratch(4 * kAngles * kNodes + 16 * kNodes + kSteps + 15);
       std::vector<float> sums(8 * kCount, 1.0F);  // they are added to
@@ -214,7 +214,7 @@ TEST_CASE("Light of a source along a ray is its twin's in double", "[sky][tables
       for (std::size_t i = 0; i < kCount; ++i) {
         for (std::size_t c = 0; c < 3; ++c) {
           const double found = static_cast<double>(sums[8 * i + c]) + static_cast<double>(sums[8 * i + 4 + c]) - 2.0;
-          worst = std::max(worst, std::abs(found - scene.expected(i, c, molecules, pictures)));
+          worst = std::max(worst, std::abs(found - scene.expected(i, c, molecules, images)));
         }
       }
       CAPTURE(kinds);

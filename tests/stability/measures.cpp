@@ -2,7 +2,7 @@
 
 #include "reference/sky_reference.h"
 #include "standard_headers.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/small_skies.h"
 
 namespace welkin::test::stability {

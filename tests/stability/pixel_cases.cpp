@@ -4,7 +4,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/random_harmonics.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
@@ -124,7 +124,7 @@ void add_range_cases(StabilityCases& cases) {
   add_uniform(cases);
 }
 
-// Dynamic range of pictures: mips, resampling, irradiance and prefiltered cubemaps.
+// Dynamic range of images: mips, resampling, irradiance and prefiltered cubemaps.
 namespace {
 
 constexpr std::size_t kImageTexel = 2 * 32 * 32 + 13 * 32 + 9;

@@ -3,7 +3,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"
 

@@ -81,7 +81,7 @@ void require_recorded_if_fast(const std::string& subject) {
 }  // namespace
 
 TEST_CASE("Stability: dynamic range of projections", "[stability]") { require_recorded("range"); }
-TEST_CASE("Stability: dynamic range of pictures", "[stability][truth]") { require_recorded_if_fast("image-range"); }
+TEST_CASE("Stability: dynamic range of images", "[stability][truth]") { require_recorded_if_fast("image-range"); }
 TEST_CASE("Stability: cancellation", "[stability]") { require_recorded("cancellation"); }
 TEST_CASE("Stability: sums of any length", "[stability]") { require_recorded("accumulation"); }
 TEST_CASE("Stability: values that are no numbers", "[stability]") { require_recorded("policies"); }

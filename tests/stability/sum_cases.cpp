@@ -4,7 +4,7 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/random_harmonics.h"
 #include "welkin/projection.h"
 #include "welkin/reflections.h"

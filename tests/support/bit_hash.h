@@ -112,7 +112,7 @@ inline void add_bits(BitHash& hash, const Environment& environment) {
   hash.add_word(static_cast<std::uint64_t>(environment.info.layout));
   hash.add_word(static_cast<std::uint64_t>(environment.info.width));
   hash.add_word(static_cast<std::uint64_t>(environment.info.height));
-  // A cross has the width and height of its picture, but holds no more than its faces.
+  // A cross has the width and height of its image, but holds no more than its faces.
   const auto size = static_cast<std::size_t>(environment.face_size());
   const std::size_t texels =
       size > 0 ? 6 * size * size

@@ -5,7 +5,7 @@
 
 namespace welkin::test {
 
-/// A small sound picture of some format, and how far its header goes.
+/// A small sound image of some format, and how far its header goes.
 struct SoundFile {
   std::string name;  ///< with the extension that belongs to the format
   std::vector<char> bytes;

@@ -204,7 +204,7 @@ class Trial {
     add_to(trials_, kind, truth, estimate, "seed " + std::to_string(seed_) + ", " + what() + more);
   }
 
-  [[nodiscard]] std::string what() const { return random_.description().empty() ? "a picture" : random_.description(); }
+  [[nodiscard]] std::string what() const { return random_.description().empty() ? "an image" : random_.description(); }
 
   template <class View>
   void project_it(const View& view, const std::string& layout) {
@@ -318,9 +318,9 @@ bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed,
   return true;
 }
 
-Cubemap picture_of(const std::vector<Cubemap>& pictures, RandomEnvironments& random) {
-  const Cubemap& picture = pictures[static_cast<std::size_t>(random.whole(0, static_cast<int>(pictures.size()) - 1))];
-  return to_cubemap(picture.view(), random.whole(6, 20), rotation_about_y(random.between(0.0, 360.0)));
+Cubemap image_of(const std::vector<Cubemap>& images, RandomEnvironments& random) {
+  const Cubemap& image = images[static_cast<std::size_t>(random.whole(0, static_cast<int>(images.size()) - 1))];
+  return to_cubemap(image.view(), random.whole(6, 20), rotation_about_y(random.between(0.0, 360.0)));
 }
 
 /// Small sources, those of a power of two, and now and then an odd large one.
@@ -333,17 +333,17 @@ int rows_of_family(RandomEnvironments& random, bool large) {
 }  // namespace
 
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
-                         const std::vector<Cubemap>& pictures, EstimateTrials& trials) {
+                         const std::vector<Cubemap>& images, EstimateTrials& trials) {
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
-    const bool real = !pictures.empty() && random.chance(0.2);
+    const bool real = !images.empty() && random.chance(0.2);
     const double exposure = random.chance(0.2) ? random.scale(1e-6, 1e-2) : 1.0;
     const bool large = random.chance(0.1);
     const auto expose = [&](std::span<float> pixels) {
       for (float& value : pixels) value *= static_cast<float>(exposure);
     };
     Cubemap cube;
-    if (real) cube = picture_of(pictures, random);
+    if (real) cube = image_of(images, random);
     if (random.chance(0.5)) {
       if (!real) cube = random.cubemap(4, large ? 40 : 16);
       expose(cube.pixels());
@@ -361,7 +361,7 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
   }
 }
 
-int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& pictures, EstimateTrials& trials) {
+int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& images, EstimateTrials& trials) {
   int refused = 0;
   for (std::uint32_t own = seed; own < seed + static_cast<std::uint32_t>(count); ++own) {
     RandomEnvironments random(own);
@@ -370,8 +370,8 @@ int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& p
     const int kind = random.whole(0, 9);
     Cubemap cube;
     LatLongImage image;
-    if (kind == 9 && !pictures.empty()) {
-      cube = picture_of(pictures, random);
+    if (kind == 9 && !images.empty()) {
+      cube = image_of(images, random);
       if (!cubemap) image = to_lat_long(cube.view(), 4 * cube.size(), 2 * cube.size());
     } else if (kind >= 7) {
       if (cubemap) cube = random.cubemap(4, 24);

@@ -75,12 +75,12 @@ struct RoughnessSpan {
 };
 
 /// Makes `count` environments of the seeds from `seed` on (of suns, noise, patterns, gradients, horizons; dark ones;
-/// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; now and then one of `pictures`, turned into such a one),
+/// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; now and then one of `images`, turned into such a one),
 /// projects each, prefilters each to a mip of a roughness within `roughness`, and adds what was estimated and what is
 /// true. Errors of projections are relative to the norm of the coefficients, those of mips (if their record has an
 /// estimate) to their root mean square over the sphere, at up to 192 of its texels.
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
-                         const std::vector<Cubemap>& pictures, EstimateTrials& trials);
+                         const std::vector<Cubemap>& images, EstimateTrials& trials);
 
 /// The same of environments of each `Family` in turn, by up to nine bands. Their sources have 4 to 16 rows, or with
 /// `large` up to 24, and now and then 67, 72 or 88. Where `roughness` begins below 0.1, two fifths are below that. Now
@@ -88,10 +88,10 @@ void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& rou
 void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
                        EstimateTrials& trials);
 
-/// Makes `count` environments of the seeds from `seed` on, of all kinds and families and of `pictures`, blurs each by a
+/// Makes `count` environments of the seeds from `seed` on, of all kinds and families and of `images`, blurs each by a
 /// lobe other than GGX (Charlie of 0.05 to 1, Phong and Blinn of 1 to 2000, Lambert, given spectra) to a mip of 4 to 32
 /// texels, now and then 64, within 1e-3 or 1e-4, and adds what was estimated and what is true. Returns how many were
 /// refused.
-int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& pictures, EstimateTrials& trials);
+int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& images, EstimateTrials& trials);
 
 }  // namespace welkin::test

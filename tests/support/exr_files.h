@@ -62,7 +62,7 @@ std::vector<float> read_rgba_with_library(const std::filesystem::path& path);
 /// R, G, B as the library's plainest way of reading gives them.
 std::vector<float> read_exr_with_library(const std::filesystem::path& path);
 
-/// A smooth bright picture with noise, below the largest half: the same for the same arguments.
+/// A smooth bright image with noise, below the largest half: the same for the same arguments.
 std::vector<float> some_pixels(int width, int height, unsigned seed = 1);
 
 /// What remains of a value in a half.

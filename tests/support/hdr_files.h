@@ -1,4 +1,4 @@
-// Radiance pictures of every form, made on the spot by code that knows nothing of the reader.
+// Radiance images of every form, made on the spot by code that knows nothing of the reader.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ struct HdrRecipe {
   std::vector<std::string> lines = {"FORMAT=32-bit_rle_rgbe"};
 };
 
-/// A picture with long and short runs, darkness, and the largest and smallest exponents; no texel that would read as
+/// An image with long and short runs, darkness, and the largest and smallest exponents; no texel that would read as
 /// a repeat in the old form. The same for the same arguments.
 std::vector<Rgbe> some_rgbe(int width, int height, unsigned seed = 1);
 
 /// What the texels mean: mantissa * 2^(exponent - 136), and 0 for exponent 0. 3 floats each.
 std::vector<float> decoded(const std::vector<Rgbe>& texels);
 
-/// A file's bytes, of the upright picture `texels` (row 0 on top). Lengths that the new form cannot have are written
+/// A file's bytes, of the upright image `texels` (row 0 on top). Lengths that the new form cannot have are written
 /// flat.
 std::vector<char> hdr_bytes(const HdrRecipe& recipe, const std::vector<Rgbe>& texels);
 

@@ -39,7 +39,7 @@ std::string gain_iso(const GainNumbers& numbers, bool common_denominator);
 /// ICC's segment APP2: X, Y and Z of red, green and blue, adapted to D50, and nothing else.
 std::string profile_segment(const std::array<std::array<double, 3>, 3>& colours);
 
-/// Base picture and gain map, one behind the other, with the XMP that Android writes in the first.
+/// Base image and gain map, one behind the other, with the XMP that Android writes in the first.
 std::vector<char> gain_map_file(const std::vector<char>& base, const std::vector<char>& map);
 
 /// Samples that differ: smooth, from 0 to 255.

@@ -49,7 +49,7 @@ class RandomEnvironments {
   glm::dvec3 colour();
 
  private:
-  /// Radiance towards a direction; (u, v) in texels are for patterns that follow the picture's own rows and columns.
+  /// Radiance towards a direction; (u, v) in texels are for patterns that follow the image's own rows and columns.
   using Radiance = std::function<glm::dvec3(const glm::dvec3& direction, double u, double v)>;
 
   Radiance part(double size);

@@ -49,11 +49,11 @@ inline bool same_bits(const LatLongImage& a, const LatLongImage& b) {
   return a.width == b.width && a.height == b.height && same_bytes<float>(a.pixels, b.pixels);
 }
 
-/// All pixels of a picture, or of six faces.
+/// All pixels of an image, or of six faces.
 inline std::span<const float> values_of(const Environment& read) {
   const auto face = static_cast<std::size_t>(read.face_size());
-  const std::size_t picture = static_cast<std::size_t>(read.info.width) * static_cast<std::size_t>(read.info.height);
-  return {read.pixels.get(), 3 * (face > 0 ? 6 * face * face : picture)};
+  const std::size_t image = static_cast<std::size_t>(read.info.width) * static_cast<std::size_t>(read.info.height);
+  return {read.pixels.get(), 3 * (face > 0 ? 6 * face * face : image)};
 }
 
 inline bool same_bits(const Environment& a, const Environment& b) {

@@ -1,4 +1,4 @@
-// Maps with suns painted on, for both kinds of picture.
+// Maps with suns painted on, for both kinds of image.
 #pragma once
 
 #include "image/geometry.h"

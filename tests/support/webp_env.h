@@ -1,4 +1,4 @@
-// An .env with WebP pictures, made of one with PNG pictures.
+// An .env with WebP images, made of one with PNG images.
 #pragma once
 
 #include <webp/encode.h>
@@ -13,8 +13,8 @@
 
 namespace welkin::test {
 
-/// The same file with each picture coded again, without loss. `png_env`: as `write_babylon_environment` writes it.
-inline std::vector<char> with_webp_pictures(const std::vector<char>& png_env) {
+/// The same file with each image coded again, without loss. `png_env`: as `write_babylon_environment` writes it.
+inline std::vector<char> with_webp_images(const std::vector<char>& png_env) {
   const auto end = std::find(png_env.begin() + 8, png_env.end(), '\0');
   nlohmann::ordered_json manifest = nlohmann::ordered_json::parse(png_env.begin() + 8, end);
   const auto payload = end + 1;
@@ -23,7 +23,7 @@ inline std::vector<char> with_webp_pictures(const std::vector<char>& png_env) {
     const auto from = payload + entry["position"].get<std::ptrdiff_t>();
     const std::vector<std::uint8_t> png(from, from + entry["length"].get<std::ptrdiff_t>());
     std::vector<std::uint8_t> rgba(std::size_t{4} * static_cast<std::size_t>(size * size));
-    files::decode_rgba({png, size, "sound.env", "a picture"}, rgba.data());
+    files::decode_rgba({png, size, "sound.env", "an image"}, rgba.data());
     std::uint8_t* webp = nullptr;
     const std::size_t bytes = WebPEncodeLosslessRGBA(rgba.data(), size, size, 4 * size, &webp);
     entry["position"] = coded.size();

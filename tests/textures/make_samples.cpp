@@ -73,10 +73,10 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   write_environment(directory / "bc6h_decoded.pfm", decoded.view(0), {.layout = Layout::vertical_strip});
   write_floats(directory / "bc6h.f32", decoded.face(0, 0), decoded.bytes() / sizeof(float));
   write_astc(directory, chain);
-  for (const char* name : {"picture.ktx2", "picture.dds"}) {
+  for (const char* name : {"image.ktx2", "image.dds"}) {
     write_texture_2d(directory / name, 16, 8, chain.face(0, 0), {TexelFormat::rgba16f});
   }
-  write_texture_2d(directory / "picture_zstd.ktx2", 16, 8, chain.face(0, 0),
+  write_texture_2d(directory / "image_zstd.ktx2", 16, 8, chain.face(0, 0),
                    {TexelFormat::rgba32f, Supercompression::zstd, {}});
   write_texture(directory / "half.exr", chain.views(), {TexelFormat::rgba16f});
   write_texture(directory / "float.exr", chain.views(), {TexelFormat::rgba32f});

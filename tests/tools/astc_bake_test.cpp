@@ -12,7 +12,7 @@ TEST_CASE("bake: --ktx2-format astc4x4 and astc6x6 pack background and reflectio
           "[tools][bake][astc][slow]") {
   const TemporaryDirectory scratch;
   const std::string options =
-      small_picture() + " --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
+      small_image() + " --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto floats = scratch.path() / "floats";
   bake_into(floats, options + "--ktx2-format rgba32f");
   for (const auto& [word, format] :

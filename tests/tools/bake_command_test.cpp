@@ -53,7 +53,7 @@ TEST_CASE("bake: the built-in sky fills a folder that was not there", "[tools][b
 
 TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools][bake][slow]") {
   const TemporaryFile folder("out");
-  const auto manifest = bake_into(folder, small_picture() +
+  const auto manifest = bake_into(folder, small_image() +
                                               " --size 32 --mips 5 --roughness filament --background-size 24 "
                                               "--irradiance 7 --no-previews --formats ktx2,env");
   const std::vector<double> wanted = mip_roughness(RoughnessSchedule::filament, 5, 32);
@@ -84,7 +84,7 @@ TEST_CASE("bake: textures, metadata and manifest agree about the mips", "[tools]
 
 TEST_CASE("bake: --lobe writes chains by other lobes, --octahedral the specular one as a map", "[tools][bake][slow]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() +
+  bake_into(folder, small_image() +
                         " --size 32 --irradiance 8 --brdf 8 --no-previews --formats ktx2,exr --ktx2-format rgba32f "
                         "--lobe charlie,lambert,phong --octahedral 32");
   check_manifest_matches(folder);
@@ -170,7 +170,7 @@ TEST_CASE("bake: lobes are fitted to lookups for engines that interpolate by a f
 TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
   const TemporaryFile folder("out");
   bake_into(folder,
-            small_picture() +
+            small_image() +
                 " --formats ktx2,dds,exr,hdr,pfm --ktx2-format rgba32f --supercompression zstd --mips 5 --no-previews" +
                 kSmall);
   check_manifest_matches(folder);
@@ -202,7 +202,7 @@ TEST_CASE("bake: every container holds the same light", "[tools][bake][slow]") {
 TEST_CASE("bake: --ktx2-format bc6h packs background and reflections, and nothing else", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const std::string options =
-      small_picture() + " --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
+      small_image() + " --size 32 --mips 2 --irradiance 8 --brdf 16 --no-previews --formats ktx2,dds ";
   const auto blocks = scratch.path() / "blocks";
   const auto floats = scratch.path() / "floats";
   const nlohmann::json manifest = bake_into(blocks, options + "--ktx2-format bc6h --bc6h-effort slow");
@@ -233,7 +233,7 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow
   const TemporaryDirectory scratch;
   const auto first = scratch.path() / "first";
   const auto second = scratch.path() / "second";
-  bake_into(first, small_picture() + " --ktx2-format rgba32f --formats ktx2,dds,env --no-previews" + kSmall);
+  bake_into(first, small_image() + " --ktx2-format rgba32f --formats ktx2,dds,env --no-previews" + kSmall);
   const std::vector<float> wanted = texels(read_texture(first / "specular.ktx2").cubemap, 0);
   bake_into(second, quoted(first / "specular.ktx2") + " --ktx2-format rgba32f --no-previews" + kSmall);
   CHECK(texels(read_texture(second / "specular.ktx2").cubemap, 0) == wanted);
@@ -256,10 +256,10 @@ TEST_CASE("bake: its own textures and .env are sources too", "[tools][bake][slow
 TEST_CASE("bake: other files in the folder stay, older results are replaced, nothing else is left",
           "[tools][bake][slow]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + " --no-previews" + kSmall);
+  bake_into(folder, small_image() + " --no-previews" + kSmall);
   std::ofstream(folder / "mine.txt") << "keep";
   std::ofstream(folder / "specular.ktx2") << "old";
-  const auto manifest = bake_into(folder, small_picture() + " --no-previews" + kSmall);
+  const auto manifest = bake_into(folder, small_image() + " --no-previews" + kSmall);
   CHECK(file_text(folder / "mine.txt") == "keep");
   CHECK(read_texture(folder / "specular.ktx2").cubemap.size() == 16);
   std::vector<std::string> expected = names_of(manifest);
@@ -270,16 +270,16 @@ TEST_CASE("bake: other files in the folder stay, older results are replaced, not
 
 TEST_CASE("bake: harmonics are those of welkin sh, and of every engine", "[tools][bake][slow]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + " --no-previews --for three --bands 4" + kSmall);
+  bake_into(folder, small_image() + " --no-previews --for three --bands 4" + kSmall);
   const nlohmann::json baked = json_of(file_text(folder / "sh.json"));
-  const nlohmann::json sh = run_sh_json(small_picture() + " --for three --bands 4");
+  const nlohmann::json sh = run_sh_json(small_image() + " --for three --bands 4");
   CHECK(baked.at("radiance") == sh.at("radiance"));
   CHECK(baked.at("axes") == sh.at("axes"));
   std::vector<std::string> engines;
   for (const auto& engine : baked.at("engines")) {
     const std::string name = engine.at("name");
     engines.push_back(name);
-    const nlohmann::json alone = run_sh_json(small_picture() + " --bands 4 --for " + name).at("engine");
+    const nlohmann::json alone = run_sh_json(small_image() + " --bands 4 --for " + name).at("engine");
     for (const auto& [term, rgb] : alone.at("terms").items()) {
       for (std::size_t c = 0; c < 3; ++c) {
         CHECK(engine.at("terms").at(term).at(c).get<double>() == Approx(rgb.at(c).get<double>()).margin(1e-12));
@@ -296,7 +296,7 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
   const auto plain = scratch.path() / "plain";
   const auto babylon = scratch.path() / "babylon";
   const std::string options =
-      small_picture() + " --ktx2-format rgba32f --formats ktx2,env --preview-size 32 --roughness filament";
+      small_image() + " --ktx2-format rgba32f --formats ktx2,env --preview-size 32 --roughness filament";
   bake_into(plain, options + kSmall);
   bake_into(babylon, options + " --for babylon" + kSmall);
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
@@ -316,7 +316,7 @@ TEST_CASE("bake: --for names the faces, the .env stays Babylon.js's", "[tools][b
 TEST_CASE("bake: what a format cannot hold is counted, file by file", "[tools][bake][slow]") {
   const TemporaryDirectory scratch;
   const auto in = scratch.path() / "bright.pfm";
-  std::vector<float> pixels = grey_picture(16, 96, 0.5F);
+  std::vector<float> pixels = grey_image(16, 96, 0.5F);
   pixels[0] = 1e5F;
   pixels[3] = 300.0F;
   write_pfm(in, 16, 96, pixels);

@@ -16,22 +16,21 @@ namespace {
 /// A PNG as light.
 class Preview {
  public:
-  explicit Preview(const std::filesystem::path& path)
-      : picture_(read_environment(path, {.layout = Layout::lat_long})) {}
+  explicit Preview(const std::filesystem::path& path) : image_(read_environment(path, {.layout = Layout::lat_long})) {}
 
-  [[nodiscard]] int width() const { return picture_.info.width; }
-  [[nodiscard]] int height() const { return picture_.info.height; }
+  [[nodiscard]] int width() const { return image_.info.width; }
+  [[nodiscard]] int height() const { return image_.info.height; }
 
   /// At a place in units of `unit` pixels from the upper left.
   [[nodiscard]] std::array<float, 3> at(double x, double y, int unit = 1) const {
     const auto column = static_cast<std::size_t>(x * unit);
     const auto row = static_cast<std::size_t>(y * unit);
-    const float* const rgb = picture_.pixels.get() + (row * static_cast<std::size_t>(width()) + column) * 3;
+    const float* const rgb = image_.pixels.get() + (row * static_cast<std::size_t>(width()) + column) * 3;
     return {rgb[0], rgb[1], rgb[2]};
   }
 
  private:
-  Environment picture_;
+  Environment image_;
 };
 
 /// Red grows along x, green along y, blue along z.
@@ -73,10 +72,10 @@ TEST_CASE(
   const TemporaryDirectory scratch;
   const auto in = write_directions(scratch.path());
   bake_into(scratch.path() / "out", quoted(in) + " --size 64");
-  const Preview picture(scratch.path() / "out" / "preview_environment.png");
-  REQUIRE(picture.width() == 2 * kHeight);
-  REQUIRE(picture.height() == kHeight);
-  const auto at = [&](double x, double y) { return picture.at(x, y, kHeight); };
+  const Preview image(scratch.path() / "out" / "preview_environment.png");
+  REQUIRE(image.width() == 2 * kHeight);
+  REQUIRE(image.height() == kHeight);
+  const auto at = [&](double x, double y) { return image.at(x, y, kHeight); };
   CHECK(at(0.5, 0.5)[0] > 1.5F * at(1.5, 0.5)[0]);   // +x to the left, -x to the right
   CHECK(at(1.0, 0.05)[1] > 1.5F * at(1.0, 0.9)[1]);  // +y above, -y below
   CHECK(at(1.0, 0.5)[2] > 1.5F * at(0.02, 0.5)[2]);  // +z in front, -z behind
@@ -101,7 +100,7 @@ TEST_CASE(
   }
 }
 
-// Promise: the exposure shows what is lit, whatever else is in the picture, or is what --exposure says.
+// Promise: the exposure shows what is lit, whatever else is in the image, or is what --exposure says.
 
 namespace {
 
@@ -129,15 +128,15 @@ TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tool
         .at("exposure")
         .get<double>();
   };
-  const double even = exposure_of(grey_picture(64, 32, 0.5F));
+  const double even = exposure_of(grey_image(64, 32, 0.5F));
   CHECK(even == Approx(0.72).epsilon(1e-6));                                           // 0.36 / 0.5
   CHECK(exposure_of(half_lit(0.3, 0.5F, 1e-5F, 0.5F)) == Approx(even).epsilon(1e-3));  // a studio
   CHECK(exposure_of(half_lit(0.3, 0.5F, 0.0F, 0.5F)) == Approx(even).epsilon(1e-3));
   CHECK(exposure_of(half_lit(1.0, 0.5F, 0.5F, 1e6F)) == Approx(even).epsilon(0.1));  // a sun
   CHECK(exposure_of(half_lit(0.0, 0.0F, 0.0F, 5.0F)) < 10.0);                        // nothing but a lamp
   // As a camera's stops: 2^EV, whatever is there.
-  CHECK(exposure_of(grey_picture(64, 32, 0.5F), " --exposure -1.5") == Approx(std::exp2(-1.5)));
-  CHECK(exposure_of(grey_picture(64, 32, 500.0F), " --exposure 0") == 1.0);
+  CHECK(exposure_of(grey_image(64, 32, 0.5F), " --exposure -1.5") == Approx(std::exp2(-1.5)));
+  CHECK(exposure_of(grey_image(64, 32, 500.0F), " --exposure 0") == 1.0);
   CHECK(run_welkin("bake " + quoted(in) + " --exposure bright -o " + quoted(scratch.path() / "no")).exit_code == 2);
 }
 

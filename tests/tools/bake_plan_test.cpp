@@ -28,10 +28,10 @@ bool has(const std::filesystem::path& folder, const std::string& name) {
 
 TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "[command][plan][slow]") {
   const TemporaryDirectory folder;
-  bake_into(folder.path() / "all", small_picture() + kSmall);
+  bake_into(folder.path() / "all", small_image() + kSmall);
   const std::filesystem::path needs = needs_file(folder, R"({"glossy": null, "diffuse_bands": 3})");
   const nlohmann::json manifest =
-      bake_into(folder.path() / "some", small_picture() + kSmall + "--needs " + quoted(needs));
+      bake_into(folder.path() / "some", small_image() + kSmall + "--needs " + quoted(needs));
   for (const char* name : {"background.ktx2", "sh.json"}) {
     INFO(name);
     CHECK(file_text(folder.path() / "some" / name) == file_text(folder.path() / "all" / name));
@@ -70,7 +70,7 @@ TEST_CASE("Mips beyond the materials' roughness are not baked", "[command][plan]
 
 TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   const TemporaryDirectory folder;
-  const std::string bake = "bake " + small_picture() + kSmall + "--no-glossy -o " + quoted(folder.path() / "out");
+  const std::string bake = "bake " + small_image() + kSmall + "--no-glossy -o " + quoted(folder.path() / "out");
   const CommandResult ahead = run_welkin(bake + " --plan-only");
   CHECK(ahead.exit_code == 0);
   CHECK(contains(ahead.output, "no glossy materials"));
@@ -90,7 +90,7 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
 TEST_CASE("An error budget sets bounds and bands", "[command][plan][slow]") {
   const TemporaryDirectory folder;
   const auto options_of = [&](const std::string& budget) {
-    return bake_into(folder.path() / "out", small_picture() + kSmall + "--error-budget " + budget).at("options");
+    return bake_into(folder.path() / "out", small_image() + kSmall + "--error-budget " + budget).at("options");
   };
   for (const auto& [budget, bands] : {std::pair("0.09", 3), std::pair("0.03", 7), std::pair("0.01", 15)}) {
     INFO(budget);
@@ -163,7 +163,7 @@ bool notes_say(const nlohmann::json& report, const std::string& part) {
 TEST_CASE("A bake with a cache gives the same files, and the second time makes none of them",
           "[command][cache][slow]") {
   const TemporaryDirectory folder;
-  const std::string bake = small_picture() + kSmallKept;
+  const std::string bake = small_image() + kSmallKept;
   const nlohmann::json without = bake_into(folder.path() / "without", bake);
   const nlohmann::json first = bake_into(folder.path() / "first", bake + with_cache(folder));
   const nlohmann::json second = bake_into(folder.path() / "second", bake + with_cache(folder));
@@ -189,10 +189,10 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
 TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command][cache][slow]") {
   const TemporaryDirectory folder;
   std::ofstream(folder.path() / "cache") << "a file, where a folder should be";
-  bake_into(folder.path() / "without", small_picture() + kSmallKept);
-  const nlohmann::json manifest = bake_into(folder.path() / "with", small_picture() + kSmallKept + with_cache(folder));
+  bake_into(folder.path() / "without", small_image() + kSmallKept);
+  const nlohmann::json manifest = bake_into(folder.path() / "with", small_image() + kSmallKept + with_cache(folder));
   CHECK(same_folders(folder.path() / "without", folder.path() / "with"));
   CHECK(notes_say(manifest, "the cache could not keep all results"));
-  CHECK(notes_say(run_sh_json(small_picture() + ' ' + with_cache(folder)).at("source"),
+  CHECK(notes_say(run_sh_json(small_image() + ' ' + with_cache(folder)).at("source"),
                   "the cache could not keep all results"));
 }

@@ -19,7 +19,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   const TemporaryDirectory scratch;
   const auto own = scratch.path() / "own";
   const std::string all = " --formats ktx2,dds,exr,hdr,pfm,env --mips 3 --preview-size 16" + std::string(kSmall);
-  bake_into(own, small_picture() + all);
+  bake_into(own, small_image() + all);
   const auto refused = [&](const std::string& input, const std::string& folder, const std::string& options,
                            const std::filesystem::path& kept) {
     const std::string before = file_text(kept);
@@ -132,7 +132,7 @@ TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") 
   std::ofstream(text) << "\xABKTX 20\xBB\r\n\x1A\n and no more";
   CHECK(contains(failure(start + quoted(text), 1), "text.ktx2"));
   const auto nan = scratch.path() / "nan.pfm";
-  std::vector<float> pixels = grey_picture(8, 4, 1.0F);
+  std::vector<float> pixels = grey_image(8, 4, 1.0F);
   pixels[(2 * 8 + 5) * 3] = std::numeric_limits<float>::quiet_NaN();
   write_pfm(nan, 8, 4, pixels);
   CHECK(contains(failure(start + "--nan reject " + quoted(nan), 1), "row 2"));

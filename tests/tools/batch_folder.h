@@ -1,4 +1,4 @@
-// Batches for the tests of `welkin batch`: small pictures, plans and results.
+// Batches for the tests of `welkin batch`: small images, plans and results.
 #pragma once
 
 #include "support/catch.h"
@@ -9,21 +9,21 @@ namespace welkin::test {
 
 inline constexpr const char* kFewFiles = " --size 8 --mips 2 --irradiance 4 --no-brdf --no-previews ";
 
-/// A picture that no other `number` has.
-inline void write_picture(const std::filesystem::path& path, int number, int width = 16) {
-  std::vector<float> rgb = grey_picture(width, width / 2, 0.5F);
+/// An image that no other `number` has.
+inline void write_image(const std::filesystem::path& path, int number, int width = 16) {
+  std::vector<float> rgb = grey_image(width, width / 2, 0.5F);
   for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] += 0.25F * static_cast<float>((i * 7 + i / 5) % 3);
   rgb[0] = 1.0F + static_cast<float>(number);
   write_pfm(path, width, width / 2, rgb);
 }
 
-/// A folder with a batch: pictures, jobs.json, jobs.results.
+/// A folder with a batch: images, jobs.json, jobs.results.
 class Batch {
  public:
-  explicit Batch(int pictures = 0, const std::string& options = kFewFiles) {
+  explicit Batch(int images = 0, const std::string& options = kFewFiles) {
     std::filesystem::create_directories(input());
-    for (int i = 0; i < pictures; ++i) write_picture(input() / ("picture" + std::to_string(100 + i) + ".pfm"), i);
-    if (pictures > 0) plan(quoted(input()) + options);
+    for (int i = 0; i < images; ++i) write_image(input() / ("image" + std::to_string(100 + i) + ".pfm"), i);
+    if (images > 0) plan(quoted(input()) + options);
   }
 
   [[nodiscard]] const std::filesystem::path& path() const { return folder_.path(); }

@@ -53,9 +53,9 @@ TEST_CASE("A batch takes files, folders and patterns", "[command][batch]") {
     std::filesystem::create_directories(batch.path() / folder);
   }
   for (const char* name : {"b.pfm", "a/one.PFM", "a/deep/two.pfm", ".hidden/three.pfm", "made/four.pfm", "a/c.pfm"}) {
-    write_picture(batch.input() / name, 1);
+    write_image(batch.input() / name, 1);
   }
-  std::ofstream(batch.input() / "a" / "notes.txt") << "no picture";
+  std::ofstream(batch.input() / "a" / "notes.txt") << "no image";
   std::ofstream(batch.input() / "made" / "manifest.json") << R"({"welkin": "0.1.0"})";
   std::ofstream(batch.input() / "a" / "manifest.json") << "{}";  // of another program
 
@@ -79,8 +79,8 @@ TEST_CASE("A batch takes files, folders and patterns", "[command][batch]") {
 
 TEST_CASE("An input that is named and cannot be read is an error, and there is no plan", "[command][batch]") {
   const Batch batch;
-  write_picture(batch.input() / "a.pfm", 1);
-  std::ofstream(batch.input() / "notes.txt") << "no picture";
+  write_image(batch.input() / "a.pfm", 1);
+  std::ofstream(batch.input() / "notes.txt") << "no image";
   for (const char* name : {"gone.hdr", "gone/", "notes.txt"}) {
     INFO(name);
     const std::string inputs = quoted(batch.input() / "a.pfm") + ' ' + quoted(batch.input() / name);
@@ -94,7 +94,7 @@ TEST_CASE("An input that is named and cannot be read is an error, and there is n
 
 TEST_CASE("An input of a list or a folder that cannot be read is told, and stays in the plan", "[command][batch]") {
   const Batch batch;
-  write_picture(batch.input() / "a.pfm", 1);
+  write_image(batch.input() / "a.pfm", 1);
   std::ofstream(batch.input() / "b.hdr") << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   std::ofstream(batch.path() / "list.jsonl") << R"({"input": "elsewhere/gone.hdr"})";
   const std::string inputs = quoted(batch.input()) + " --list " + quoted(batch.path() / "list.jsonl");
@@ -123,7 +123,7 @@ TEST_CASE("A list is read to its end, or there is no plan", "[command][batch]") 
   };
   {
     std::ofstream stream(list);
-    stream << R"({"input": "in/picture100.pfm"})" << '\n' << std::string((1U << 20U) + 1, 'x');
+    stream << R"({"input": "in/image100.pfm"})" << '\n' << std::string((1U << 20U) + 1, 'x');
   }
   CHECK(contains(failure(list), "list.jsonl: line 2: is longer than a megabyte"));
   CHECK(contains(failure(batch.path() / "nothing.jsonl"), "nothing.jsonl: cannot be read"));
@@ -133,9 +133,9 @@ TEST_CASE("A list is read to its end, or there is no plan", "[command][batch]") 
 TEST_CASE("Six faces in a folder are one job", "[command][batch]") {
   const Batch batch;
   for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
-    write_pfm(batch.input() / ("room_" + std::string(face) + ".pfm"), 8, 8, grey_picture(8, 8, 1.0F));
+    write_pfm(batch.input() / ("room_" + std::string(face) + ".pfm"), 8, 8, grey_image(8, 8, 1.0F));
   }
-  write_picture(batch.input() / "sky.pfm", 1);
+  write_image(batch.input() / "sky.pfm", 1);
   const nlohmann::json plan = batch.plan(quoted(batch.input()) + kFewFiles);
   REQUIRE(plan.at("jobs").size() == 2);
   CHECK(batch.run_well("run").at("computed") == 2);
@@ -143,7 +143,7 @@ TEST_CASE("Six faces in a folder are one job", "[command][batch]") {
 
 TEST_CASE("A list's lines have names and options of their own", "[command][batch]") {
   const Batch batch;
-  write_picture(batch.input() / "a.pfm", 1);
+  write_image(batch.input() / "a.pfm", 1);
   std::ofstream(batch.input() / "needs.json") << R"({"glossy": null})";
   const std::filesystem::path list = batch.input() / "list.jsonl";
   std::ofstream(list) << R"({"input": "a.pfm", "name": "small"})"
@@ -177,10 +177,10 @@ TEST_CASE("A list's lines have names and options of their own", "[command][batch
 
 TEST_CASE("A batch writes over nothing that is not its own", "[command][batch]") {
   const Batch batch(2);
-  const std::filesystem::path picture = batch.input() / "picture100.pfm";
-  const std::string bytes = file_text(picture);
-  CHECK(run_welkin("batch plan " + quoted(picture) + " -o " + quoted(picture)).exit_code == 1);
-  CHECK(file_text(picture) == bytes);
+  const std::filesystem::path image = batch.input() / "image100.pfm";
+  const std::string bytes = file_text(image);
+  CHECK(run_welkin("batch plan " + quoted(image) + " -o " + quoted(image)).exit_code == 1);
+  CHECK(file_text(image) == bytes);
   CHECK(run_welkin("batch plan " + quoted(batch.input()) + " -o " + quoted(batch.path() / "no" / "x.json")).exit_code ==
         1);
   batch.plan(quoted(batch.input()) + kFewFiles);  // over the plan that is there
@@ -200,10 +200,10 @@ TEST_CASE("A batch writes over nothing that is not its own", "[command][batch]")
   batch.run_well("merge", "-o " + quoted(site));  // over its own
 }
 
-TEST_CASE("Patterns find pictures, and none that a bake has made", "[command][batch]") {
+TEST_CASE("Patterns find images, and none that a bake has made", "[command][batch]") {
   const Batch batch(3);
   std::ofstream(batch.input() / "notes.txt") << "none";
-  bake_into(batch.input() / "baked", quoted(batch.input() / "picture100.pfm") + kFewFiles);
+  bake_into(batch.input() / "baked", quoted(batch.input() / "image100.pfm") + kFewFiles);
   for (const char* pattern : {"in/**/*", "in/*"}) {
     CAPTURE(pattern);
     CHECK(batch.plan(quoted(batch.path() / pattern)).at("jobs").size() == 3);

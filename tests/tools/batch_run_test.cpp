@@ -27,9 +27,9 @@ TEST_CASE("A batch's results are those of single bakes", "[command][batch]") {
   CHECK(batch.run_well("run").at("computed") == 3);
   const nlohmann::json index = batch.merged();
   REQUIRE(index.at("jobs").size() == 3);
-  bake_into(batch.path() / "single", quoted(batch.input() / "picture101.pfm") + kFewFiles);
+  bake_into(batch.path() / "single", quoted(batch.input() / "image101.pfm") + kFewFiles);
   const std::filesystem::path result = batch.path() / "index" / index.at("jobs")[1].at("result");
-  CHECK(index.at("jobs")[1].at("name") == "picture101");
+  CHECK(index.at("jobs")[1].at("name") == "image101");
   for (const char* name : {"background.ktx2", "specular.ktx2", "irradiance.ktx2"}) {
     INFO(name);
     CHECK(file_text(result / name) == file_text(batch.path() / "single" / name));
@@ -40,7 +40,7 @@ TEST_CASE("A batch's results are those of single bakes", "[command][batch]") {
   CHECK(manifest.at("source").at("path") == "environment");
   for (const auto& [name, text] : batch.all_files()) {
     INFO(name);
-    CHECK(!contains(text, "picture10"));
+    CHECK(!contains(text, "image10"));
   }
 }
 
@@ -52,8 +52,8 @@ TEST_CASE("What is there is not computed again", "[command][batch]") {
   CHECK(again.at("computed") == 0);
   CHECK(again.at("present") == 4);
   CHECK(batch.all_files() == files);
-  // Another picture by the same name, and other options.
-  write_picture(batch.input() / "picture100.pfm", 50);
+  // Another image by the same name, and other options.
+  write_image(batch.input() / "image100.pfm", 50);
   CHECK(batch.run_well("run").at("computed") == 1);
   batch.plan(quoted(batch.input()) + kFewFiles + "--yaw 90");
   CHECK(batch.run_well("run").at("computed") == 4);
@@ -69,7 +69,7 @@ TEST_CASE("A cache has what was baked of the same bytes, by whatever name", "[co
   const auto entries = names_in(batch.path() / "cache").size();
   CHECK(batch.run_well("run", cache).at("computed") == 2);
   CHECK(batch.all_files() == files);
-  std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "renamed.pfm");
+  std::filesystem::rename(batch.input() / "image100.pfm", batch.input() / "renamed.pfm");
   batch.plan(quoted(batch.input()) + kFewFiles);
   CHECK(batch.run_well("run", cache).at("computed") == 1);
   CHECK(names_in(batch.path() / "cache").size() == entries);
@@ -77,15 +77,15 @@ TEST_CASE("A cache has what was baked of the same bytes, by whatever name", "[co
 
 TEST_CASE("An input that fails is told, and stops no other", "[command][batch]") {
   const Batch batch(3);
-  write_picture(batch.input() / "gone.pfm", 50);
+  write_image(batch.input() / "gone.pfm", 50);
   batch.plan(quoted(batch.input()) + kFewFiles);
   std::filesystem::remove(batch.input() / "gone.pfm");
-  const auto bytes = std::filesystem::file_size(batch.input() / "picture101.pfm");
-  std::filesystem::resize_file(batch.input() / "picture101.pfm", bytes - 10);
+  const auto bytes = std::filesystem::file_size(batch.input() / "image101.pfm");
+  std::filesystem::resize_file(batch.input() / "image101.pfm", bytes - 10);
   const CommandResult result = batch.run("run");
   CHECK(result.exit_code == 1);
   CHECK(contains(result.output, "2 computed, 0 present, 2 failed"));
-  CHECK(contains(result.errors, "picture101"));
+  CHECK(contains(result.errors, "image101"));
   std::multiset<std::string> codes;
   for (const auto& [name, record] : batch.records()) {
     INFO(record);
@@ -100,11 +100,11 @@ TEST_CASE("An input that fails is told, and stops no other", "[command][batch]")
   const CommandResult merge = batch.run("merge", "-o " + quoted(batch.path() / "index"));
   CHECK(merge.exit_code == 1);
   CHECK(contains(merge.errors, "gone"));
-  CHECK(contains(merge.errors, "picture101"));
+  CHECK(contains(merge.errors, "image101"));
   CHECK(!std::filesystem::exists(batch.path() / "index"));
   // Mended, it is done, and the failure is forgotten.
-  write_picture(batch.input() / "gone.pfm", 50);
-  write_picture(batch.input() / "picture101.pfm", 1);
+  write_image(batch.input() / "gone.pfm", 50);
+  write_image(batch.input() / "image101.pfm", 1);
   CHECK(batch.run_well("run").at("computed") == 2);
   CHECK(batch.run_well("status").at("done") == 4);
 }
@@ -158,7 +158,7 @@ TEST_CASE("Merging looks at every byte", "[command][batch][slow]") {
 
 TEST_CASE("The index has a page of previews", "[command][batch][posix]") {
   const Batch batch(1, " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
-  std::filesystem::rename(batch.input() / "picture100.pfm", batch.input() / "a<b>&\"%.pfm");
+  std::filesystem::rename(batch.input() / "image100.pfm", batch.input() / "a<b>&\"%.pfm");
   batch.plan(quoted(batch.input()) + " --size 8 --irradiance 4 --no-brdf --preview-size 8 ");
   batch.run_well("run");
   batch.merged();
@@ -233,7 +233,7 @@ TEST_CASE("Results are computed once more, on another shard, and compared", "[co
 
 TEST_CASE("Bakes that run at the same time stay below the memory that they may take", "[command][batch][slow]") {
   const Batch batch;
-  for (int i = 0; i < 8; ++i) write_picture(batch.input() / (std::to_string(i) + ".pfm"), i, i < 6 ? 512 : 64);
+  for (int i = 0; i < 8; ++i) write_image(batch.input() / (std::to_string(i) + ".pfm"), i, i < 6 ? 512 : 64);
   const nlohmann::json plan = batch.plan(quoted(batch.input()) + " --size 64 --irradiance 4 --no-brdf --no-previews");
   std::uint64_t largest = 0;
   for (const auto& job : plan.at("jobs")) largest = std::max(largest, job.at("memory").get<std::uint64_t>());

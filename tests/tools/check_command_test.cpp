@@ -155,7 +155,7 @@ TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slo
 TEST_CASE("command: check finds nothing in even light, at any size", "[tools][check]") {
   const TemporaryDirectory directory;
   const auto source = directory.file("grey.pfm");
-  write_pfm(source, 16, 8, grey_picture(16, 8, 0.5F));
+  write_pfm(source, 16, 8, grey_image(16, 8, 0.5F));
   for (const int size : {1, 2, 3, 7, 64, 129}) {
     Cubemap chain(size, std::min(full_chain_levels(size), 3));
     std::ranges::fill(chain.pixels(), 0.5F);

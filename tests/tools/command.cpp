@@ -2,7 +2,7 @@
 
 #include "places.h"
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "tools/baked_folder.h"
 
@@ -59,7 +59,7 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
   }
 }
 
-const std::string& small_picture() {
+const std::string& small_image() {
   static const TemporaryDirectory folder;
   static const std::string path = [] {
     const glm::dvec3 lamp = glm::normalize(glm::dvec3(0.5, 0.4, 0.8));
@@ -77,7 +77,7 @@ std::vector<float> pixels_in(const std::filesystem::path& file) {
   return {values_of(read).begin(), values_of(read).end()};
 }
 
-std::vector<float> grey_picture(int width, int height, float value) {
+std::vector<float> grey_image(int width, int height, float value) {
   return std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, value);
 }
 

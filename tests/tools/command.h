@@ -48,15 +48,15 @@ std::string quoted(const std::filesystem::path& path);
 /// (PFM keeps its rows bottom-up). Little-endian.
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb);
 
-/// A picture of 64 x 32 texels, bright on one side, in quotes for `arguments`: for promises about any light. (The
+/// An image of 64 x 32 texels, bright on one side, in quotes for `arguments`: for promises about any light. (The
 /// built-in sky is computed by each run that asks for it.) All its harmonics of three bands differ from 0.
-const std::string& small_picture();
+const std::string& small_image();
 
-/// All pixels of a picture, or of six faces.
+/// All pixels of an image, or of six faces.
 std::vector<float> pixels_in(const std::filesystem::path& file);
 
 /// The same grey everywhere.
-std::vector<float> grey_picture(int width, int height, float value);
+std::vector<float> grey_image(int width, int height, float value);
 
 }  // namespace welkin::test
 

@@ -55,18 +55,18 @@ TEST_CASE("command: bad input exits with 1 and names the file", "[tools]") {
   CHECK(contains(failure("sh " + quoted(folder.path()), 1), folder.path().filename().string()));
 
   const auto text = folder.path() / "text.exr";
-  std::ofstream(text) << "this is no picture\n";
+  std::ofstream(text) << "this is no image\n";
   CHECK(contains(failure("sh " + quoted(text), 1), "text.exr"));
   CHECK(contains(failure("info " + quoted(text), 1), "text.exr"));
 
   const auto odd = folder.path() / "odd.pfm";
-  write_pfm(odd, 7, 5, grey_picture(7, 5, 1.0F));
+  write_pfm(odd, 7, 5, grey_image(7, 5, 1.0F));
   CHECK(contains(failure("sh " + quoted(odd), 1), "--layout"));
   CHECK(contains(failure("sh --layout vertical-strip " + quoted(odd), 1), "odd.pfm"));
   CHECK(run_welkin("sh --layout lat-long " + quoted(odd)).exit_code == 0);
 
   const auto strip = folder.path() / "strip.pfm";
-  write_pfm(strip, 64, 384, grey_picture(64, 384, 1.0F));
+  write_pfm(strip, 64, 384, grey_image(64, 384, 1.0F));
   CHECK(contains(failure("sh --memory-limit 10KiB " + quoted(strip), 1), "strip.pfm"));
 }
 

@@ -70,7 +70,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
   const auto out = directory.file("out.png");
-  std::vector<float> pixels = grey_picture(64, 32, 20.0F);
+  std::vector<float> pixels = grey_image(64, 32, 20.0F);
   std::fill_n(pixels.begin(), 3 * 64 * 8, 400.0F);  // a quarter of the rows, less of the sphere
   write_pfm(in, 64, 32, pixels);
   const std::string plain = printed_by("convert " + quoted(in) + " " + quoted(out));
@@ -100,7 +100,7 @@ TEST_CASE("command: convert --tone-map makes a PNG exposed and tone mapped as th
 TEST_CASE("command: convert refuses with the right exit code", "[tools][convert]") {
   const TemporaryDirectory directory;
   const auto in = directory.file("in.pfm");
-  write_pfm(in, 4, 2, grey_picture(4, 2, 0.5F));
+  write_pfm(in, 4, 2, grey_image(4, 2, 0.5F));
   const std::string start = "convert " + quoted(in) + " " + quoted(directory.file("out"));
   failure(start + ".gif", 1);
   failure(start + ".hdr --type float", 2);

@@ -16,7 +16,7 @@ struct Workplace {
 
   Workplace() {
     std::filesystem::create_directory(folder.path() / "hdr");
-    write_pfm(folder.path() / "hdr" / "city.pfm", 16, 8, grey_picture(16, 8, 1.0F));
+    write_pfm(folder.path() / "hdr" / "city.pfm", 16, 8, grey_image(16, 8, 1.0F));
   }
   [[nodiscard]] std::string go() const { return "cd " + quoted(folder.path()) + " &&"; }
   /// What is said on standard output.

@@ -2,7 +2,7 @@
 
 #include "files/env.h"
 #include "support/chains.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
@@ -113,7 +113,7 @@ struct Glb {
     REQUIRE(document.at("buffers").at(0).at("byteLength").get<std::size_t>() == binary.size());
   }
 
-  [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t number) const {
+  [[nodiscard]] std::vector<std::uint8_t> image(std::size_t number) const {
     const nlohmann::json& image = document.at("images").at(number);
     CHECK(image.at("mimeType") == "image/png");
     const nlohmann::json& view = document.at("bufferViews").at(image.at("bufferView").get<std::size_t>());
@@ -125,18 +125,18 @@ struct Glb {
   }
 };
 
-/// The chain of such pictures, bottom row first.
+/// The chain of such images, bottom row first.
 Cubemap decoded(const Glb& glb, int size, int mips) {
   Cubemap chain(size, mips);
   const files::RgbdDecoder decoder;
-  for (int picture = 0; picture < 6 * mips; ++picture) {
-    const int edge = size >> (picture / 6);
-    const std::vector<std::uint8_t> png = glb.picture(static_cast<std::size_t>(picture));
+  for (int image = 0; image < 6 * mips; ++image) {
+    const int edge = size >> (image / 6);
+    const std::vector<std::uint8_t> png = glb.image(static_cast<std::size_t>(image));
     std::vector<std::uint8_t> rgbd(static_cast<std::size_t>(4 * edge * edge));
-    files::decode_rgba({png, edge, "environment.glb", "a picture"}, rgbd.data());
+    files::decode_rgba({png, edge, "environment.glb", "an image"}, rgbd.data());
     for (int row = 0; row < edge; ++row) {
       decoder.decode(rgbd.data() + std::ptrdiff_t{4} * edge * (edge - 1 - row), static_cast<std::size_t>(edge),
-                     chain.face(picture / 6, picture % 6) + std::ptrdiff_t{3} * edge * row);
+                     chain.face(image / 6, image % 6) + std::ptrdiff_t{3} * edge * row);
     }
   }
   return chain;
@@ -157,7 +157,7 @@ TEST_CASE("bake --for: each engine's folder has its files and none of the engine
   const TemporaryFile folder("out");
   for (const auto& [engine, files] : folders()) {
     INFO(engine);
-    const nlohmann::json manifest = bake_into(folder, small_picture() + " --for " + engine + kSmall);
+    const nlohmann::json manifest = bake_into(folder, small_image() + " --for " + engine + kSmall);
     CHECK(names_in(folder) == with_common_files(engine, files));
     CHECK(names_of(manifest) == with_common_files(engine, files));
     for (const std::string& name : files) {
@@ -186,7 +186,7 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
   const TemporaryDirectory scratch;
   const auto formats = scratch.path() / "formats";
   const auto folder = scratch.path() / "folder";
-  const std::string bake = small_picture() + kSmall + "--no-previews --for ";
+  const std::string bake = small_image() + kSmall + "--no-previews --for ";
   bake_into(formats, bake + "three --formats ktx2,dds");
   bake_into(folder, bake + "three");
   CHECK(file_text(folder / "specular.ktx2") == file_text(formats / "specular.ktx2"));
@@ -206,7 +206,7 @@ TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[to
 TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen writes them",
           "[tools][bake][engine_folders][slow]") {
   const TemporaryFile folder("out");
-  const std::string bake = small_picture() + " --for filament --no-previews" + kSmall;
+  const std::string bake = small_image() + " --for filament --no-previews" + kSmall;
   bake_into(folder, bake);
   const CubemapTexture reflections = read_texture(folder / "environment_ibl.ktx");
   const CubemapTexture skybox = read_texture(folder / "environment_skybox.ktx");
@@ -217,7 +217,7 @@ TEST_CASE("bake --for filament: the reflections carry the harmonics as cmgen wri
   CHECK(std::count(text.begin(), text.end(), '\n') == 9);
   const std::vector<float> numbers = numbers_in(text);
   REQUIRE(numbers.size() == 27);
-  const nlohmann::json terms = run_sh_json(small_picture() + " --for filament").at("engine").at("terms");
+  const nlohmann::json terms = run_sh_json(small_image() + " --for filament").at("engine").at("terms");
   std::size_t at = 0;
   for (const auto& [name, rgb] : terms.items()) {
     for (std::size_t c = 0; c < 3; ++c, ++at)
@@ -242,10 +242,10 @@ TEST_CASE("bake --for filament: the files are those of cmgen, but for its noise"
   const TemporaryDirectory scratch;
   const auto source = scratch.path() / "source";
   std::filesystem::create_directory(source);
-  const LatLongImage picture = lat_long_of(512, 256, [](const dvec3& d) {
+  const LatLongImage image = lat_long_of(512, 256, [](const dvec3& d) {
     return dvec3(2.0 + d.x + 0.5 * d.y * d.z, 1.5 + d.y - 0.4 * d.x * d.z, 1.0 + 0.8 * d.z + 0.3 * d.x * d.y * d.z);
   });
-  write_environment(source / "environment.hdr", picture.view());
+  write_environment(source / "environment.hdr", image.view());
   const auto own = scratch.path() / "own";
   bake_into(own, quoted(source / "environment.hdr") +
                      " --for filament --size 256 --mips 5 --fit-lookups off --irradiance 0 --no-previews");
@@ -278,7 +278,7 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   const std::string options =
-      small_picture() + " --roughness linear --fit-lookups off --no-previews --ktx2-format rgba32f" + kSmall;
+      small_image() + " --roughness linear --fit-lookups off --no-previews --ktx2-format rgba32f" + kSmall;
   const auto plain = scratch.path() / "plain";
   const auto folder = scratch.path() / "out";
   bake_into(plain, options + "--formats ktx2");
@@ -298,11 +298,11 @@ TEST_CASE("bake --for bevy: faces are mirrored in z, and the diffuse map is irra
   CHECK(mean(read_texture(folder / "diffuse.ktx2").cubemap, 0) == Approx(irradiance / 3.14159265).epsilon(0.03));
 }
 
-TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and whose coefficients are sh.json's",
+TEST_CASE("bake --for gltf: the light is a .glb whose images are the chain and whose coefficients are sh.json's",
           "[tools][bake][engine_folders][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  const std::string bake = small_picture() + " --for gltf --no-previews" + kSmall;
+  const std::string bake = small_image() + " --for gltf --no-previews" + kSmall;
   const nlohmann::json manifest = bake_into(folder, bake);
   const Glb glb(file_text(folder / "environment.glb"));
   const nlohmann::json& document = glb.document;
@@ -314,7 +314,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
   CHECK(light.at("rotation") == nlohmann::json::array({0.0, 0.0, 0.0, 1.0}));
   CHECK(light.at("specularImageSize") == 32);
 
-  // Six pictures a mip, in this order; alpha = 32^(mip / 2 - 1), where Babylon.js's loader looks.
+  // Six images a mip, in this order; alpha = 32^(mip / 2 - 1), where Babylon.js's loader looks.
   CHECK(light.at("specularImages") ==
         nlohmann::json::array({{0, 1, 2, 3, 4, 5}, {6, 7, 8, 9, 10, 11}, {12, 13, 14, 15, 16, 17}}));
   CHECK(document.at("images").size() == 18);
@@ -358,7 +358,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose pictures are the chain and
 
 TEST_CASE("bake --for usd: the stage is a dome light with the lat-long beside it", "[tools][bake][engine_folders]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + " --for usd" + kSmall);
+  bake_into(folder, small_image() + " --for usd" + kSmall);
   const std::string stage = file_text(folder / "environment.usda");
   CHECK(stage.starts_with("#usda 1.0\n"));
   CHECK(contains(stage, "defaultPrim = \"Environment\""));
@@ -388,15 +388,15 @@ TEST_CASE("bake --for: what the engine's loader does not take is refused", "[too
   for (const char* engine : {"three", "gltf", "babylon", "usd"})
     refused(std::string("--ktx2-format bc6h --for ") + engine, "leave --ktx2-format out");
   const auto bevy = scratch.path() / "bevy";
-  const auto manifest = bake_into(
-      bevy, small_picture() + " --for bevy --ktx2-format bc6h --supercompression zlib --no-previews" + kSmall);
+  const auto manifest =
+      bake_into(bevy, small_image() + " --for bevy --ktx2-format bc6h --supercompression zlib --no-previews" + kSmall);
   CHECK(file_of(manifest, "specular.ktx2").at("format") == "KTX2 bc6h zlib");
   CHECK(contains(file_text(bevy / "README.md"), "a GPU that supports it"));
 }
 
 TEST_CASE("bake --for: a README that is somebody's own is not written over", "[tools][bake][engine_folders][slow]") {
   const TemporaryFile folder("out");
-  const std::string bake = small_picture() + " --for godot --no-previews" + kSmall;
+  const std::string bake = small_image() + " --for godot --no-previews" + kSmall;
   bake_into(folder, bake);
   bake_into(folder, bake);  // ours is
   std::ofstream(folder / "README.md") << "# My project\n";

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/catch.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "support/test_environments.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
@@ -31,13 +31,13 @@ std::vector<Value> values_of(const std::filesystem::path& path, const std::strin
 TEST_CASE("importance: files hold the library's tables", "[tools][importance]") {
   const TemporaryDirectory scratch;
   const auto input = scratch.path() / "sky.exr";
-  const TestLatLong picture = make_lat_long(Content::high_range, 20, 10, 3);
-  write_environment(input, picture.view(), {.type = SampleType::float32});
+  const TestLatLong image = make_lat_long(Content::high_range, 20, 10, 3);
+  write_environment(input, image.view(), {.type = SampleType::float32});
   const auto folder = scratch.path() / "a" / "tables";
   printed_by("importance " + quoted(input) + " -o " + quoted(folder) +
              " --width 8 --height 5 --weight largest --mis-compensation --alias --pyramid");
   const ImportanceTable table = importance_table(
-      picture.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
+      image.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
   CHECK(values_of<float>(folder / "function.npy", "'<f4'", "(5, 8)") == table.function);
   CHECK(values_of<float>(folder / "row_cdf.npy", "'<f4'", "(6, )") == table.row_cdf);
   CHECK(values_of<float>(folder / "column_cdf.npy", "'<f4'", "(5, 9)") == table.column_cdf);

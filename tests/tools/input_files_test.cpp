@@ -19,7 +19,7 @@ nlohmann::json info_json(const std::filesystem::path& file) { return json_printe
 
 /// 16 x 8, grey 0.5, with a NaN, an infinity, a negative and a bright texel (column 4, row 3).
 std::filesystem::path odd_file(const TemporaryDirectory& folder) {
-  std::vector<float> rgb = grey_picture(16, 8, 0.5F);
+  std::vector<float> rgb = grey_image(16, 8, 0.5F);
   rgb[0] = std::numeric_limits<float>::quiet_NaN();
   rgb[4] = -std::numeric_limits<float>::infinity();
   rgb[8] = -0.25F;
@@ -57,7 +57,7 @@ TEST_CASE("info --json: counts, extremes and the brightest texel", "[tools]") {
 
 TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
   const TemporaryFile file("strip.pfm");
-  write_pfm(file, 5, 30, grey_picture(5, 30, 3.0F));
+  write_pfm(file, 5, 30, grey_image(5, 30, 3.0F));
   const nlohmann::json document = info_json(file);
   CHECK(document.at("source").at("layout") == "vertical-strip");
   CHECK(std::abs(document.at("pixels").at("mean").at(0).get<double>() - 3.0) < 1e-9);

@@ -2,7 +2,7 @@
 // no file of the folder holds.
 #include "places.h"
 #include "platform/text.h"
-#include "support/pictures.h"
+#include "support/images.h"
 #include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
@@ -18,21 +18,21 @@ const std::vector<std::string>& engines() {
   return all;
 }
 
-std::filesystem::path picture_of(const std::string& engine, const std::filesystem::path& folder) {
+std::filesystem::path image_of(const std::string& engine, const std::filesystem::path& folder) {
   return folder / (engine == "unreal" ? "environment.hdr" : "environment.exr");
 }
 
 /// Noise that .hdr and halves hold to the last bit: 8 bits times a power of two, blue the largest so that it has all 8.
 LatLongImage noise(int width, int height) {
   std::mt19937 random(3);
-  LatLongImage picture{width, height, {}};
+  LatLongImage image{width, height, {}};
   for (int texel = 0; texel < width * height; ++texel) {
     const double scale = std::exp2(static_cast<double>(random() % 8) - 10.0);
-    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
-    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
-    picture.pixels.push_back(static_cast<float>(scale * static_cast<double>(128 + random() % 128)));
+    image.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
+    image.pixels.push_back(static_cast<float>(scale * static_cast<double>(random() % 256)));
+    image.pixels.push_back(static_cast<float>(scale * static_cast<double>(128 + random() % 128)));
   }
-  return picture;
+  return image;
 }
 
 constexpr const char* kQuick = " --size 8 --no-previews ";
@@ -41,15 +41,15 @@ constexpr const char* kQuick = " --size 8 --no-previews ";
 
 TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's own pixels", "[tools][bake][lat_long]") {
   const TemporaryDirectory scratch;
-  const LatLongImage picture = noise(100, 50);
-  const auto pfm = scratch.path() / "picture.pfm";
-  write_environment(pfm, picture.view());
+  const LatLongImage image = noise(100, 50);
+  const auto pfm = scratch.path() / "image.pfm";
+  write_environment(pfm, image.view());
   for (const std::string& engine : engines()) {
     INFO(engine);
     const auto out = scratch.path() / engine;
     const auto manifest = bake_into(out, quoted(pfm) + " --for " + engine + kQuick);
-    CHECK((pixels_in(picture_of(engine, out)) == picture.pixels));
-    const auto said = file_of(manifest, picture_of(engine, out).filename().string());
+    CHECK((pixels_in(image_of(engine, out)) == image.pixels));
+    const auto said = file_of(manifest, image_of(engine, out).filename().string());
     CHECK(said.at("width") == 100);
     CHECK(said.at("height") == 50);
   }
@@ -57,9 +57,9 @@ TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's o
   const auto rotated = scratch.path() / "turned";
   bake_into(rotated, quoted(pfm) + " --for blender --yaw 90 --mirror" + kQuick);
   const glm::dmat3 rotation = rotation_about_y(90.0) * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1);
-  CHECK((pixels_in(rotated / "environment.exr") == to_lat_long(picture.view(), 100, 50, rotation).pixels));
+  CHECK((pixels_in(rotated / "environment.exr") == to_lat_long(image.view(), 100, 50, rotation).pixels));
   // Floats stay floats where that is asked for.
-  LatLongImage fine = picture;
+  LatLongImage fine = image;
   for (float& value : fine.pixels) value = std::nextafter(value, 1e9F);
   write_environment(pfm, fine.view());
   const auto floats = bake_into(rotated, quoted(pfm) + " --for usd --ktx2-format rgba32f" + kQuick);
@@ -70,16 +70,16 @@ TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's o
 TEST_CASE("bake --for: what cleans a lat-long changes the pixels that it names and no other",
           "[tools][bake][lat_long]") {
   const TemporaryDirectory scratch;
-  LatLongImage picture = noise(64, 32);
-  picture.pixels[3 * 70] = std::numeric_limits<float>::quiet_NaN();
-  picture.pixels[3 * 71 + 1] = 4096.0F;
-  const auto pfm = scratch.path() / "picture.pfm";
-  write_environment(pfm, picture.view());
+  LatLongImage image = noise(64, 32);
+  image.pixels[3 * 70] = std::numeric_limits<float>::quiet_NaN();
+  image.pixels[3 * 71 + 1] = 4096.0F;
+  const auto pfm = scratch.path() / "image.pfm";
+  write_environment(pfm, image.view());
   const auto out = scratch.path() / "out";
   bake_into(out, quoted(pfm) + " --for godot --clamp 1000" + kQuick);
-  picture.pixels[3 * 70] = 0.0F;
-  picture.pixels[3 * 71 + 1] = 1000.0F;
-  CHECK((pixels_in(out / "environment.exr") == picture.pixels));
+  image.pixels[3 * 70] = 0.0F;
+  image.pixels[3 * 71 + 1] = 1000.0F;
+  CHECK((pixels_in(out / "environment.exr") == image.pixels));
   // Without its sun the rest is as it was.
   LatLongImage sunny{64, 32, std::vector<float>(std::size_t{3} * 64 * 32, 0.5F)};
   for (std::size_t c = 0; c < 3; ++c) sunny.pixels[3 * (10 * 64 + 20) + c] = 5e4F;
@@ -106,7 +106,7 @@ TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan s
   for (const std::string& engine : engines()) {
     INFO(engine);
     const auto out = scratch.path() / engine;
-    const auto manifest = bake_into(out, small_picture() + " --size 16 --preview-size 16 --for " + engine);
+    const auto manifest = bake_into(out, small_image() + " --size 16 --preview-size 16 --for " + engine);
     CHECK(manifest.at("specular").empty());
     CHECK_FALSE(manifest.contains("brdf"));
     for (const char* name : {"specular", "irradiance", "brdf"}) {
@@ -126,7 +126,7 @@ TEST_CASE("bake --for: the chain that no file holds is not baked, and the plan s
   }
   // An octahedral map is such a file.
   const auto octahedral =
-      bake_into(scratch.path() / "o", small_picture() + " --size 16 --no-previews --for godot --octahedral 32");
+      bake_into(scratch.path() / "o", small_image() + " --size 16 --no-previews --for godot --octahedral 32");
   CHECK(octahedral.at("specular").size() > 1);
 }
 
@@ -140,7 +140,7 @@ TEST_CASE("The table of sharpness in docs/notes/measurements.md", "[.sharpness]"
     for (const std::string& engine : engines()) {
       const auto out = scratch.path() / "out";
       bake_into(out, quoted(path) + " --no-previews --for " + engine);
-      const Environment written = read_environment(picture_of(engine, out));
+      const Environment written = read_environment(image_of(engine, out));
       std::printf(" %.4f |", sharpness(written.lat_long()));
       std::filesystem::remove_all(out);
     }

@@ -10,7 +10,7 @@ namespace {
 constexpr const char* kSmall = " --size 8 --irradiance 4 --brdf 8 --no-previews ";
 
 std::string bake_line(const std::filesystem::path& folder, const std::string& options = "") {
-  return "bake " + small_picture() + kSmall + options + " -o " + quoted(folder);
+  return "bake " + small_image() + kSmall + options + " -o " + quoted(folder);
 }
 
 /// Name and content of all files of a folder.
@@ -53,7 +53,7 @@ TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "
 
 TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][bake][own_files][posix][slow]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + kSmall);
+  bake_into(folder, small_image() + kSmall);
   for (const char* name : {"irradiance.ktx2", "sh.json", "manifest.json"}) {
     const std::string was = file_text(folder / name);
     std::filesystem::remove(folder / name);
@@ -68,7 +68,7 @@ TEST_CASE("bake: what cannot be replaced is refused before any work", "[tools][b
     std::filesystem::remove(folder / name);
     write_text(folder / name, was);
   }
-  bake_into(folder, small_picture() + kSmall);
+  bake_into(folder, small_image() + kSmall);
   const TemporaryFile others("others");
   std::filesystem::create_directory(others);
   std::filesystem::create_symlink("nowhere", others / "sh.json");
@@ -84,18 +84,18 @@ TEST_CASE("bake: a file that no manifest lists is not replaced", "[tools][bake][
     std::filesystem::remove(folder / name);
   }
   write_text(folder / "notes.txt", "somebody's");
-  bake_into(folder, small_picture() + kSmall);
-  bake_into(folder, small_picture() + kSmall);  // its own are
+  bake_into(folder, small_image() + kSmall);
+  bake_into(folder, small_image() + kSmall);  // its own are
   write_text(folder / "specular.dds", "somebody's");
   check_refused(bake_line(folder, "--formats dds"), folder, "specular.dds");
-  bake_into(folder, small_picture() + kSmall);
+  bake_into(folder, small_image() + kSmall);
   CHECK(file_text(folder / "notes.txt") == "somebody's");
   CHECK(file_text(folder / "specular.dds") == "somebody's");
 }
 
 TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bake][own_files][slow]") {
   const TemporaryFile folder("out");
-  bake_into(folder, small_picture() + " --for unreal" + kSmall);
+  bake_into(folder, small_image() + " --for unreal" + kSmall);
   // As a killed bake with --formats ktx2 leaves it: with a list of what it replaces, and no manifest.
   const std::string manifest = file_text(folder / "manifest.json");
   nlohmann::json list = {{"welkin", "0"}, {"files", json_of(manifest).at("files")}};
@@ -103,7 +103,7 @@ TEST_CASE("bake: after a run that was stopped its files are known", "[tools][bak
   write_text(folder / "unfinished_manifest.json", list.dump());
   std::filesystem::remove(folder / "manifest.json");
   write_text(folder / "specular.ktx2", "half of a bake");
-  const auto after = bake_into(folder, small_picture() + kSmall);
+  const auto after = bake_into(folder, small_image() + kSmall);
   CHECK(names_in(folder) == names_of(after));  // neither environment.hdr nor the list
   write_text(folder / "unfinished_manifest.json", "somebody's");
   check_refused(bake_line(folder), folder, "unfinished_manifest.json");
@@ -113,7 +113,7 @@ TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if
           "[tools][bake][own_files][slow]") {
   const TemporaryDirectory scratch;
   const auto folder = scratch.path() / "out";
-  bake_into(folder, small_picture() + kSmall);
+  bake_into(folder, small_image() + kSmall);
   const std::string said = printed_by(bake_line(folder, "--for three"));
   CHECK(names_in(folder) == names_of(manifest_of(folder)));
   CHECK(contains(said, "note: removed, because an earlier 'bake' wrote it and this one does not: background.ktx2"));
@@ -160,7 +160,7 @@ TEST_CASE("bake: a manifest that lies makes it remove nothing that is not a bake
   files.push_back({{"name", "lambert.dds"}, {"bytes", 6}});
   files.push_back({{"name", "lambert.dds"}, {"bytes", -1}});
   write_text(folder / "manifest.json", nlohmann::json({{"welkin", "0"}, {"files", files}}).dump());
-  bake_into(folder, small_picture() + kSmall);
+  bake_into(folder, small_image() + kSmall);
   CHECK(file_text(outside) == "12345");
   for (const char* name : {"notes.txt", "photograph.hdr", "lambert.dds", "charlie.dds", "specular_mine.dds"})
     CHECK(file_text(folder / name) == "12345");

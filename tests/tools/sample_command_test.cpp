@@ -10,7 +10,7 @@ using namespace welkin::test;
 
 namespace {
 
-/// Values of the picture that `welkin sample` makes.
+/// Values of the image that `welkin sample` makes.
 std::vector<float> sample(int width) {
   const TemporaryDirectory directory;
   const auto path = directory.file("sample.pfm");

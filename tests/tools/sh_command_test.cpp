@@ -60,7 +60,7 @@ void require_documented_shape(const nlohmann::json& document, int bands) {
 
 TEST_CASE("sh --json: documented shape for every number of bands", "[tools][slow]") {
   for (const int bands : {1, 2, 3, 5, 16}) {
-    require_documented_shape(run_sh_json(small_picture() + " --bands " + std::to_string(bands)), bands);
+    require_documented_shape(run_sh_json(small_image() + " --bands " + std::to_string(bands)), bands);
   }
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("sh --json: the built-in sky to the last bit", "[tools][slow]") {
 
 TEST_CASE("sh --json: what was replaced and clamped is counted", "[tools]") {
   const TemporaryFile file("odd.pfm");
-  std::vector<float> rgb = grey_picture(16, 8, 1.0F);
+  std::vector<float> rgb = grey_image(16, 8, 1.0F);
   rgb[0] = std::numeric_limits<float>::quiet_NaN();
   rgb[30] = std::numeric_limits<float>::infinity();
   rgb[60] = -1.0F;
@@ -175,8 +175,8 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
 }  // namespace
 
 TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
-  const nlohmann::json json = run_sh_json(small_picture() + " --bands 4");
-  const std::string text = printed_by("sh " + small_picture() + " --bands 4 --format text");
+  const nlohmann::json json = run_sh_json(small_image() + " --bands 4");
+  const std::string text = printed_by("sh " + small_image() + " --bands 4 --format text");
   for (int l = 0; l < 4; ++l) {
     for (int m = -l; m <= l; ++m) {
       const std::string place = '[' + std::to_string(l) + ',' + std::to_string(m) + ']';
@@ -188,9 +188,9 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
 }
 
 TEST_CASE("sh: the C header compiles as C99 and holds the numbers", "[tools][posix][slow]") {
-  const nlohmann::json json = run_sh_json(small_picture());
+  const nlohmann::json json = run_sh_json(small_image());
   const std::string printed =
-      printed_by_c(printed_by("sh " + small_picture() + " --format c"),
+      printed_by_c(printed_by("sh " + small_image() + " --format c"),
                    "  for (int i = 0; i < 9; ++i) printf(\"radiance%d %.9g %.9g %.9g\\n\", i, light_radiance[i][0], "
                    "light_radiance[i][1], light_radiance[i][2]);\n");
   for (std::size_t i = 0; i < 9; ++i) {
@@ -239,8 +239,8 @@ void check_numbers(const std::vector<float>& numbers, const EngineLight& expecte
 TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compiles", "[tools][posix][slow]") {
   for (const std::string axes : {"", " --for blender"}) {
     INFO(axes);
-    const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + axes));
-    const std::string code = printed_by("sh " + small_picture() + " --format glsl" + axes);
+    const SphericalHarmonics light = radiance_of(run_sh_json(small_image() + axes));
+    const std::string code = printed_by("sh " + small_image() + " --format glsl" + axes);
     check_numbers(numbers_of_rows("  vec3(", code), engine_light_unrotated(light, Engine::welkin));
     CHECK(contains(code, "vec3 diffuse_light(vec3 n) {"));
     if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
@@ -256,25 +256,25 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
 }
 
 TEST_CASE("sh: C# is Unity's, and refused for others", "[tools][slow]") {
-  const SphericalHarmonics light = radiance_of(run_sh_json(small_picture() + " --for unity"));
+  const SphericalHarmonics light = radiance_of(run_sh_json(small_image() + " --for unity"));
   const std::string code = printed_by("sh --sky --for unity --format cs --extract-sun");
-  check_numbers(numbers_of_rows("    {", run_welkin("sh " + small_picture() + " --for unity --format cs").output),
+  check_numbers(numbers_of_rows("    {", run_welkin("sh " + small_image() + " --for unity --format cs").output),
                 engine_light_unrotated(light, Engine::unity));
   for (const char* const part : {"public static SphericalHarmonicsL2 Probe()", "using UnityEngine.Rendering;",
                                  "SunDirection = new Vector3(", "AmbientMode.Custom"}) {
     CHECK(contains(code, part));
   }
-  CHECK(contains(failure("sh " + small_picture() + " --format cs", 2), "add --for unity"));
+  CHECK(contains(failure("sh " + small_image() + " --format cs", 2), "add --for unity"));
 }
 
 // `welkin sh` and what is done with the light: windows, the sun, the dominant light, the error of irradiance.
 
 TEST_CASE("sh: a window damps the bands, and says what it did to the least irradiance", "[tools][slow]") {
-  const nlohmann::json plain = run_sh_json(small_picture());
+  const nlohmann::json plain = run_sh_json(small_image());
   CHECK(plain.at("window").at("name") == "none");
   for (const char* window : {"hanning", "lanczos", "min-laplacian"}) {
     INFO(window);
-    const nlohmann::json json = run_sh_json(small_picture() + " --window " + window);
+    const nlohmann::json json = run_sh_json(small_image() + " --window " + window);
     const auto& factors = json.at("window").at("factors");
     REQUIRE(factors.size() == 3);
     CHECK(factors.at(0) == 1.0);
@@ -286,7 +286,7 @@ TEST_CASE("sh: a window damps the bands, and says what it did to the least irrad
           triple(plain.at("window").at("minimum_irradiance_before")));
     CHECK(json.at("window").contains("minimum_irradiance_after"));
   }
-  CHECK(contains(printed_by("sh " + small_picture() + " --window min-laplacian"), "after it (min-laplacian"));
+  CHECK(contains(printed_by("sh " + small_image() + " --window min-laplacian"), "after it (min-laplacian"));
   CHECK(run_welkin("sh --sky --window-width 0").exit_code == 2);
 }
 
@@ -307,7 +307,7 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
   const TemporaryDirectory folder;
   const auto sky = folder.path() / "sky.pfm";
   const auto rest = folder.path() / "rest.pfm";
-  std::vector<float> pixels = grey_picture(128, 64, 0.5F);
+  std::vector<float> pixels = grey_image(128, 64, 0.5F);
   for (const std::size_t texel : {20 * 128 + 40, 20 * 128 + 41, 21 * 128 + 40, 21 * 128 + 41}) {
     for (std::size_t k = 0; k < 3; ++k) pixels[3 * texel + k] = 5000.0F + 700.0F * static_cast<float>(k);
   }
@@ -347,7 +347,7 @@ std::vector<float> uneven_strip(int size) {
 
 TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slow]") {
   const auto light = [](const std::string& turn) {
-    return radiance_of(run_sh_json(small_picture() + " --bands 4" + turn));
+    return radiance_of(run_sh_json(small_image() + " --bands 4" + turn));
   };
   const SphericalHarmonics plain = light("");
   const SphericalHarmonics made = light(" --yaw 90");
@@ -361,10 +361,10 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
 }
 
 TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools][slow]") {
-  const SphericalHarmonics plain = radiance_of(run_sh_json(small_picture()));
+  const SphericalHarmonics plain = radiance_of(run_sh_json(small_image()));
   for (const Convention& engine : conventions()) {
     INFO(engine.name);
-    const nlohmann::json json = run_sh_json(small_picture() + " --for " + engine.name);
+    const nlohmann::json json = run_sh_json(small_image() + " --for " + engine.name);
     CHECK(json.at("axes").at("engine") == engine.name);
     CHECK(distance(radiance_of(json), rotate(plain, engine.from_welkin)) < 1e-12);
   }

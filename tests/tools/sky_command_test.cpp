@@ -203,11 +203,11 @@ TEST_CASE("sky: numbers out of range are refused by name, and options that do no
   const std::string day = "--sweep " + quoted(folder.path() / "day.png") + ' ';
   const std::map<std::string, std::vector<std::string>> not_together{
       {"",
-       {"--size 64", "--sun-disc", "--formats exr", "--picture-height 64", "--sweep-to -6", "--sweep-tiles 3",
+       {"--size 64", "--sun-disc", "--formats exr", "--image-height 64", "--sweep-to -6", "--sweep-tiles 3",
         "--sweep " + quoted(folder.path() / "day.jpg"), "--json --format text", "input.hdr"}},
       {out,
        {"--format c", day, "--window min-laplacian", "--quadrature gauss", "--directions 8,8", "--size 0",
-        "--picture-height 0"}},
+        "--image-height 0"}},
       {day,
        {"--json", "--sun-azimuth 5", "--quadrature gauss", "--directions 8,8", "--bands 2", "--window min-laplacian",
         "--for unity", "--sweep-tiles 0", "--sweep-to -91", "--sweep-size 4"}}};
@@ -270,9 +270,9 @@ TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "
   const TemporaryDirectory folder;
   const auto file = folder.path() / "broken.sky";
   const std::string tables = kSmallSky + "--tables " + quoted(file);
-  std::ofstream(file) << "my holiday pictures\n";
+  std::ofstream(file) << "my holiday images\n";
   CHECK(contains(sky_failure(tables, 1), "broken.sky"));
-  CHECK(file_text(file) == "my holiday pictures\n");
+  CHECK(file_text(file) == "my holiday images\n");
   std::filesystem::remove(file);
 
   sky_json("--tables " + quoted(file));

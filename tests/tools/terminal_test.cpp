@@ -41,25 +41,25 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
 
 TEST_CASE("command: options may stand before their command", "[tools][posix][slow]") {
   const TemporaryDirectory folder;
-  const std::string small = " " + small_picture() + " --size 4 --irradiance 0 --no-brdf --no-previews ";
+  const std::string small = " " + small_image() + " --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto baked = [&](const std::string& arguments, const char* name) {
     printed_by(arguments, "cd " + quoted(folder.path()) + " &&");
     CHECK(std::filesystem::exists(folder.path() / name / "manifest.json"));
   };
   baked("-o out bake" + small, "out");
   baked("-q --output=other bake" + small, "other");
-  baked("--size 4 -o sh bake " + small_picture() + " --irradiance 0 --no-previews", "sh");  // named as a command is
+  baked("--size 4 -o sh bake " + small_image() + " --irradiance 0 --no-previews", "sh");  // named as a command is
   CHECK(contains(failure("--sise 4 bake --sky", 2), "bake: there is no option --sise; did you mean --size?"));
 }
 
 TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
-  const std::string sh = "sh " + small_picture();
+  const std::string sh = "sh " + small_image();
   CHECK(run_welkin(sh + " --for Unity --format TEXT --window Hanning").output ==
         run_welkin(sh + " --for unity --format text --window hanning").output);
   const TemporaryDirectory folder;
   const std::string small = " --size 4 --irradiance 0 --no-brdf --no-previews ";
   const auto manifest =
-      bake_into(folder.path() / "out", small_picture() + " --formats KTX2,Exr --roughness Unity" + small);
+      bake_into(folder.path() / "out", small_image() + " --formats KTX2,Exr --roughness Unity" + small);
   CHECK(manifest.at("options").at("roughness") == "unity");
   CHECK(file_of(manifest, "specular.exr").at("mips") == 3);
 }
@@ -67,14 +67,14 @@ TEST_CASE("command: words are taken whatever their case", "[tools][slow]") {
 TEST_CASE("command: --quiet says nothing where all is well, --verbose what was done", "[tools][slow]") {
   const TemporaryDirectory folder;
   const std::string bake =
-      "bake " + small_picture() + " --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
+      "bake " + small_image() + " --size 4 --irradiance 0 --no-brdf --no-previews -o " + quoted(folder.path() / "o");
   for (const std::string& quiet :
        {bake + " --quiet", bake + " -q", "testmap --size 4 -q -o " + quoted(folder.path() / "t.exr"), "-q " + bake}) {
     INFO(quiet);
     CHECK(printed_by(quiet).empty());
   }
   CHECK(json_of(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
-  CHECK(contains(run_welkin("sh -q " + small_picture()).output, "radiance"));
+  CHECK(contains(run_welkin("sh -q " + small_image()).output, "radiance"));
   const CommandResult verbose = run_welkin(bake + " --verbose");
   CHECK(contains(verbose.output, "manifest.json"));
   for (const char* stage : {"read: ", "bake: ", "write: "}) CHECK(contains(verbose.errors, stage));
@@ -115,7 +115,7 @@ TEST_CASE("command: a terminal is told stage, share and time left", "[tools][slo
 TEST_CASE("command: - reads standard input", "[tools]") {
   const TemporaryDirectory folder;
   const auto in = folder.path() / "in.pfm";
-  std::vector<float> pixels = grey_picture(32, 16, 1.0F);
+  std::vector<float> pixels = grey_image(32, 16, 1.0F);
   pixels[77] = 9.0F;
   write_pfm(in, 32, 16, pixels);
   const std::string from = " < " + quoted(in);
@@ -138,7 +138,7 @@ TEST_CASE("command: - reads standard input", "[tools]") {
 TEST_CASE("command: - writes standard output, and nothing else there", "[tools]") {
   const TemporaryDirectory folder;
   const auto in = folder.path() / "in.pfm";
-  write_pfm(in, 32, 16, grey_picture(32, 16, 0.5F));
+  write_pfm(in, 32, 16, grey_image(32, 16, 0.5F));
   for (const std::string format : {"exr", "hdr", "pfm", "png"}) {
     INFO(format);
     const auto file = folder.path() / ("out." + format);
@@ -217,7 +217,7 @@ TEST_CASE("command: the manual page names every command and option", "[tools]") 
 TEST_CASE("bake: no file that is written holds an absolute path", "[tools][bake]") {
   const TemporaryDirectory folder;
   const auto in = folder.path() / "city.pfm";
-  write_pfm(in, 16, 8, grey_picture(16, 8, 1.0F));
+  write_pfm(in, 16, 8, grey_image(16, 8, 1.0F));
   const auto out = folder.path() / "out";
   REQUIRE(run_welkin("bake " + quoted(in) + " --size 8 --irradiance 4 --brdf 4 --explain --cache " +
                      quoted(folder.path() / "cache") + " -o " + quoted(out))
@@ -239,7 +239,7 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   const std::string small = " --irradiance 0 --no-brdf --no-previews ";
   const auto roughness = [&](const std::string& options) {
     std::vector<double> table;
-    const auto manifest = bake_into(folder.path() / "out", small_picture() + small + options);
+    const auto manifest = bake_into(folder.path() / "out", small_image() + small + options);
     for (const auto& mip : manifest.at("specular")) {
       table.push_back(mip.at("roughness").get<double>());
     }
@@ -251,7 +251,7 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   CHECK(roughness("--size 64 --for unity --formats ktx2 --roughness linear") ==
         mip_roughness(RoughnessSchedule::linear, 5, 64));
   // The same default in the library.
-  const LatLongImage grey{16, 8, grey_picture(16, 8, 1.0F)};
+  const LatLongImage grey{16, 8, grey_image(16, 8, 1.0F)};
   std::vector<double> of_library;
   for (const MipRecord& mip : prefilter_specular(grey.view(), {.size = 64}).mips) of_library.push_back(mip.roughness);
   CHECK(roughness("--size 64") == of_library);

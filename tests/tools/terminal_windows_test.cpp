@@ -13,7 +13,7 @@ TEST_CASE("command: Ctrl-Break stops a bake with the code of an interrupt and le
   }
   const TemporaryDirectory folder;
   const std::filesystem::path input = folder.path() / "large.pfm";
-  write_pfm(input, 2048, 1024, grey_picture(2048, 1024, 0.5F));
+  write_pfm(input, 2048, 1024, grey_image(2048, 1024, 0.5F));
   const std::filesystem::path out = folder.path() / "out";
   const std::filesystem::path errors = folder.path() / "errors";
   SECURITY_ATTRIBUTES inherited{sizeof inherited, nullptr, TRUE};

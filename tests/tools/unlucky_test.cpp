@@ -20,10 +20,10 @@ bool has_temporary(const std::filesystem::path& folder) {
   return std::any_of(names.begin(), names.end(), [](const std::string& name) { return name.starts_with(".welkin-"); });
 }
 
-/// A picture that takes seconds to bake.
-std::filesystem::path large_picture(const TemporaryDirectory& folder) {
+/// An image that takes seconds to bake.
+std::filesystem::path large_image(const TemporaryDirectory& folder) {
   const std::filesystem::path path = folder.path() / "large.pfm";
-  write_pfm(path, 2048, 1024, grey_picture(2048, 1024, 0.5F));
+  write_pfm(path, 2048, 1024, grey_image(2048, 1024, 0.5F));
   return path;
 }
 
@@ -60,7 +60,7 @@ Ended bake_and_signal(const TemporaryDirectory& folder, const std::filesystem::p
 TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no temporary file",
           "[command][unlucky][slow]") {
   const TemporaryDirectory folder;
-  const std::filesystem::path input = large_picture(folder);
+  const std::filesystem::path input = large_image(folder);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Ended ended = bake_and_signal(folder, input, signal);
     INFO(ended.errors);
@@ -76,7 +76,7 @@ TEST_CASE("A signal stops a bake by its stop token, is said, and leaves no tempo
 
 TEST_CASE("A file that outgrows its limit ends the command by the error that names it", "[command][unlucky]") {
   const TemporaryDirectory folder;
-  const std::filesystem::path input = large_picture(folder);
+  const std::filesystem::path input = large_image(folder);
   const std::filesystem::path out = folder.path() / "made.pfm";
   const CommandResult result = run_program(
       "/bin/sh", "-c 'ulimit -f 100; exec " WELKIN_COMMAND " convert " + input.string() + ' ' + out.string() + "'");
@@ -205,7 +205,7 @@ TEST_CASE("Standard streams that the caller has closed become nobody's", "[comma
   };
   // What --verbose says would otherwise go to whatever was opened first: to the pipe by which signals stop the work.
   const std::string bake =
-      "bake " + small_picture() + " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
+      "bake " + small_image() + " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
   for (const std::string closed : {">&- 2>&-", "<&- >&- 2>&-", "<&- >&-", "2>&-"}) {
     const std::filesystem::path out = folder.path() / "out";
     const CommandResult result = run(bake + quoted(out), closed);
@@ -225,7 +225,7 @@ TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
   const TemporaryDirectory folder;
   const std::filesystem::path input = folder.path() / "in.pfm";
   const std::filesystem::path pipe = folder.path() / "pipe";
-  write_pfm(input, 8, 4, grey_picture(8, 4, 0.5F));
+  write_pfm(input, 8, 4, grey_image(8, 4, 0.5F));
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   const auto run = [&](const std::string& command) {
     write_text(folder.path() / "run.sh", "cat " + quoted(input) + " >" + quoted(pipe) +
@@ -267,8 +267,8 @@ TEST_CASE("A sky writes over no file that it reads", "[command][unlucky][slow]")
   const auto in = [&](const std::string& name) { return quoted(folder.path() / name); };
   const std::string sky = "sky --table-size 8,16,16,4 --orders 2 ";
   const std::string sweep = " --sweep-tiles 2 --sweep-size 16 --sweep " + in("day.png");
-  const std::string bake = " --size 16 --picture-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
-  // The text beside a sweep's picture, the picture of a bake.
+  const std::string bake = " --size 16 --image-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
+  // The text beside a sweep's image, the image of a bake.
   for (const auto& [name, rest] :
        {std::pair(std::string("day.txt"), sweep), std::pair(std::string("out/sky.exr"), bake)}) {
     write_text(folder.path() / name, air);
@@ -286,7 +286,7 @@ TEST_CASE("A sky writes over no file that it reads", "[command][unlucky][slow]")
 TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C header", "[command][unlucky]") {
   const TemporaryDirectory folder;
   const std::filesystem::path bright = folder.path() / "bright.pfm";
-  write_pfm(bright, 8, 4, grey_picture(8, 4, 3e38F));
+  write_pfm(bright, 8, 4, grey_image(8, 4, 3e38F));
   const std::string header = failure("sh --format c " + quoted(bright), 1);
   CHECK(contains(header, "bright.pfm: a number of the light is"));
   CHECK(contains(header, "which exceeds the range of floats"));
@@ -297,7 +297,7 @@ TEST_CASE("Numbers beyond floats are refused by name, and never stand in a C hea
   CHECK(file_of(bake, "sh.json").at("bands") == 3);
 
   const std::filesystem::path out = folder.path() / "out";
-  bake_into(out, small_picture() + " --size 16 --irradiance 4 --brdf 8 --formats env --no-previews");
+  bake_into(out, small_image() + " --size 16 --irradiance 4 --brdf 8 --formats env --no-previews");
   std::string env = file_text(out / "environment.env");
   const std::size_t end = env.find('\0', 8);
   nlohmann::json manifest = json_of(env.substr(8, end - 8));
@@ -323,9 +323,9 @@ TEST_CASE("Memory is refused by the header, before pixels are read, with a remed
   CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(kSanitized ? 20 : 2));
   CHECK(contains(refused, "'welkin convert' with --size"));
 
-  // The remedy, on a picture that does not take minutes.
+  // The remedy, on an image that does not take minutes.
   const std::filesystem::path input = folder.path() / "in.pfm";
-  write_pfm(input, 512, 256, grey_picture(512, 256, 0.5F));
+  write_pfm(input, 512, 256, grey_image(512, 256, 0.5F));
   const std::string bake = " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews --memory-limit 40MiB -o " +
                            quoted(folder.path() / "out");
   REQUIRE(contains(failure("bake " + quoted(input) + bake, 1), "'welkin convert' with --size"));
@@ -340,7 +340,7 @@ TEST_CASE("Control characters in names of files never reach a terminal", "[comma
       "a\x1b[31m\x07\xc2\x9b"
       "2J\nb\x9b\xe2\x80\xae\xed\xa0\x80\xc3\xa9";
   const std::filesystem::path there = folder.path() / (name + ".pfm");
-  write_pfm(there, 8, 4, grey_picture(8, 4, 0.5F));
+  write_pfm(there, 8, 4, grey_image(8, 4, 0.5F));
   const std::filesystem::path broken = folder.path() / (name + "x.pfm");
   write_text(broken, "PF\n8 4\n-1.0\nshort");
   const std::filesystem::path absent = folder.path() / (name + "y.pfm");

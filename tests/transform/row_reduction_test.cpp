@@ -89,7 +89,7 @@ TEST_CASE("Reduced rows take no more memory than was said, and not much less", "
     std::uint64_t peak = 0;
     {
       const HeapWatch heap;
-      transforms::ReducedRows rows(transforms::PictureRows(source.view()), shape);
+      transforms::ReducedRows rows(transforms::ImageRows(source.view()), shape);
       rows.fill({});
       peak = static_cast<std::uint64_t>(heap.peak_bytes());
     }
@@ -220,7 +220,7 @@ TEST_CASE("Bringing rows to fewer can be stopped", "[transform][reduction][cance
         }).code == ErrorCode::cancelled);
 }
 
-// Promise: a dark picture has the bits of a bright one, smaller by a power of two. Flushed denormals do not show.
+// Promise: a dark image has the bits of a bright one, smaller by a power of two. Flushed denormals do not show.
 
 namespace {
 
@@ -281,7 +281,7 @@ SphereGrid synthesised(const Spectrum& spectrum, GridContent content) {
 
 }  // namespace
 
-TEST_CASE("A dark picture's spectrum is a bright one's, smaller", "[transform][same_bits]") {
+TEST_CASE("A dark image's spectrum is a bright one's, smaller", "[transform][same_bits]") {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{7, 3}, std::pair{64, 33}, std::pair{150, 257}}) {
     const std::vector<float> bright = noise(width, height);
     const std::vector<float> expected = numbers_of(transforms::analyse({bright.data(), width, height}, kBands, {}));
@@ -305,7 +305,7 @@ TEST_CASE("What is made of a dark spectrum is what is made of a bright one, smal
   }
 }
 
-TEST_CASE("The darkest pictures give the bits on record", "[transform][same_bits]") {
+TEST_CASE("The darkest images give the bits on record", "[transform][same_bits]") {
   const std::vector<float> pixels = times(noise(90, 45), 0x1p-126, 0x1p-140, 0x1p-90);
   const InstructionSet before = active_instruction_set();
   for (const InstructionSet set : available_instruction_sets()) {

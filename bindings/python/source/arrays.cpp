@@ -9,10 +9,10 @@ namespace welkin::python {
 
 py::array array_of(Cubemap cubemap) { return level_of(std::make_shared<Cubemap>(std::move(cubemap)), 0); }
 
-py::array array_of(LatLongImage picture) {
-  const py::ssize_t height = picture.height;
-  const py::ssize_t width = picture.width;
-  return owning(std::move(picture.pixels), {height, width, 3});
+py::array array_of(LatLongImage image) {
+  const py::ssize_t height = image.height;
+  const py::ssize_t width = image.width;
+  return owning(std::move(image.pixels), {height, width, 3});
 }
 
 py::array array_of(const dvec3& value) { return py::array_t<double>(3, &value.x); }

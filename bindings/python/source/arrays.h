@@ -47,7 +47,7 @@ template <class Value>
 /// (6, size, size, 3), float32.
 [[nodiscard]] py::array array_of(Cubemap cubemap);
 /// (height, width, 3), float32.
-[[nodiscard]] py::array array_of(LatLongImage picture);
+[[nodiscard]] py::array array_of(LatLongImage image);
 /// (3,), float64.
 [[nodiscard]] py::array array_of(const dvec3& value);
 /// (n, 3), float64.

@@ -21,7 +21,7 @@ void bind_bake(py::module_& module);
 void bind_plan(py::module_& module);
 void bind_sky(py::module_& module);
 void bind_files(py::module_& module);
-void bind_pictures(py::module_& module);
+void bind_images(py::module_& module);
 void bind_timing(py::module_& module);
 
 }  // namespace welkin::python

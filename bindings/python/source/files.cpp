@@ -1,4 +1,4 @@
-// Pictures and textures in files.
+// Images and textures in files.
 #include "files.h"
 
 #include <pybind11/stl.h>
@@ -55,13 +55,13 @@ constexpr Named<AstcEffort> kAstcEfforts[] = {{"fastest", AstcEffort::fastest},
                                               {"medium", AstcEffort::medium},
                                               {"thorough", AstcEffort::thorough}};
 
-/// A picture that was read, with its pixels as an array.
-struct ReadPicture {
+/// An image that was read, with its pixels as an array.
+struct ReadImage {
   EnvironmentInfo info;
   py::array pixels;
 };
 
-ReadPicture picture_of(Environment made) {
+ReadImage image_of(Environment made) {
   const int face = made.face_size();
   std::vector<py::ssize_t> shape{made.info.height, made.info.width, 3};
   if (face > 0) shape = {6, face, face, 3};
@@ -92,13 +92,13 @@ py::dict info_of(const EnvironmentInfo& info) {
   return all;
 }
 
-ReadPicture read_file(const py::object& file, const py::kwargs& given) {
+ReadImage read_file(const py::object& file, const py::kwargs& given) {
   Options options("read", given);
   const FileInput input = input_of(file);
   const ReadOptions how = read_options(options);
   Call call("read", options);
   options.finish();
-  return picture_of(call.run([&](const Control& control) { return read_environment(input, how, control); }));
+  return image_of(call.run([&](const Control& control) { return read_environment(input, how, control); }));
 }
 
 py::dict inspect_file(const py::object& file, const py::kwargs& given) {
@@ -195,7 +195,7 @@ TextureOptions texture_options(Options& options) {
   return how;
 }
 
-/// A `Chain`, a list of levels, one cubemap, or a BRDF table or another picture of one level.
+/// A `Chain`, a list of levels, one cubemap, or a BRDF table or another image of one level.
 py::dict write_texture_file(const std::filesystem::path& path, const py::object& texture, const py::kwargs& given) {
   Options options("write_texture", given);
   const TextureOptions how = texture_options(options);
@@ -215,14 +215,13 @@ py::dict write_texture_file(const std::filesystem::path& path, const py::object&
   }
   options.finish();
   if (levels.size() == 1 && !levels[0].is_cubemap()) {
-    const auto picture = levels[0].view.lat_long();
-    if (picture.format != PixelFormat::rgb32f || picture.row_stride_bytes != std::ptrdiff_t{12} * picture.width) {
+    const auto image = levels[0].view.lat_long();
+    if (image.format != PixelFormat::rgb32f || image.row_stride_bytes != std::ptrdiff_t{12} * image.width) {
       throw Error(ErrorCode::invalid_argument,
                   "write_texture: a texture of two dimensions is packed, (height, width, 3) float32");
     }
     return report_of(call.run([&](const Control& control) {
-      return write_texture_2d(path, picture.width, picture.height, static_cast<const float*>(picture.pixels), how,
-                              control);
+      return write_texture_2d(path, image.width, image.height, static_cast<const float*>(image.pixels), how, control);
     }));
   }
   std::vector<CubemapView> views;
@@ -282,14 +281,14 @@ ReadOptions read_group(Options& options) {
 }
 
 void bind_files(py::module_& module) {
-  py::class_<ReadPicture>(module, "Environment", "An image that was read: a lat-long, or six faces.")
-      .def_readonly("pixels", &ReadPicture::pixels, "(height, width, 3) or (6, n, n, 3), float32, not copied.")
+  py::class_<ReadImage>(module, "Environment", "An image that was read: a lat-long, or six faces.")
+      .def_readonly("pixels", &ReadImage::pixels, "(height, width, 3) or (6, n, n, 3), float32, not copied.")
       .def_property_readonly(
-          "info", [](const ReadPicture& self) { return info_of(self.info); },
+          "info", [](const ReadImage& self) { return info_of(self.info); },
           "What the file says of itself: a dictionary.")
-      .def("__array__", [](const ReadPicture& self, const py::args& words,
+      .def("__array__", [](const ReadImage& self, const py::args& words,
                            const py::kwargs& named) { return as_asked(self.pixels, words, named); })
-      .def("__repr__", [](const ReadPicture& self) {
+      .def("__repr__", [](const ReadImage& self) {
         const bool cube = self.info.layout != Layout::lat_long;
         const std::string size =
             cube ? "cubemap of " + std::to_string(self.pixels.shape(1))

@@ -90,7 +90,7 @@ PYBIND11_MODULE(_welkin, module) {
   welkin::python::bind_plan(module);
   welkin::python::bind_sky(module);
   welkin::python::bind_files(module);
-  welkin::python::bind_pictures(module);
+  welkin::python::bind_images(module);
   welkin::python::bind_timing(module);
   welkin::python::guard_classes(module);
 }

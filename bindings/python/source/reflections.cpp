@@ -38,34 +38,24 @@ constexpr Named<BrdfModel> kModels[] = {{"split-sum", BrdfModel::split_sum},
                                         {"multiple-scattering", BrdfModel::multiple_scattering}};
 constexpr Named<MipFilter> kMipFilters[] = {{"solid-angle", MipFilter::solid_angle}, {"box", MipFilter::box}};
 
-/// `lobe_roughness`: a list, or "fitted" to lookups by the schedule that `roughness` names.
-void read_lobe_roughness(Options& options, std::optional<RoughnessSchedule> schedule, PrefilterOptions& how) {
-  const py::handle given = options.take("lobe_roughness");
-  if (!given) return;
-  if (!py::isinstance<py::str>(given)) {
-    options.read("lobe_roughness", how.lobe_roughness);
-    return;
-  }
-  static_cast<void>(value_of<bool>(options.called("lobe_roughness"), given.cast<std::string>(), kFitted));
-  if (!schedule)
+/// `roughness`: a list, or the name of a schedule. `lobe_roughness`: a list, or "fitted" to lookups by that schedule.
+void read_roughness(Options& options, PrefilterOptions& how) {
+  const py::handle roughness = options.take("roughness");
+  const py::handle lobes = options.take("lobe_roughness");
+  const bool listed = roughness && !py::isinstance<py::str>(roughness);
+  const bool fitted = lobes && py::isinstance<py::str>(lobes);
+  if (fitted) static_cast<void>(value_of<bool>(options.called("lobe_roughness"), lobes.cast<std::string>(), kFitted));
+  if (fitted && listed)
     throw Error(ErrorCode::invalid_argument,
                 options.called("lobe_roughness") + " is \"fitted\", and roughness is a list; name a schedule");
-  if (!how.mips) how.mips = default_mip_count(*schedule, how.size);
-  how.lobe_roughness = fitted_mip_roughness(*schedule, *how.mips, how.size);
-}
-
-/// `roughness`: a list, or the name of a schedule.
-std::optional<RoughnessSchedule> read_roughness(Options& options, PrefilterOptions& how) {
-  const py::handle given = options.take("roughness");
-  if (!given) return RoughnessSchedule::filament;
-  if (!py::isinstance<py::str>(given)) {
+  if (!fitted) options.read("lobe_roughness", how.lobe_roughness);
+  if (listed) {
     options.read("roughness", how.roughness);
-    return std::nullopt;
+  } else if (roughness || fitted) {
+    auto schedule = RoughnessSchedule::filament;
+    options.read("roughness", schedule, kSchedules);
+    how.use_schedule(schedule, fitted);
   }
-  const auto schedule = value_of<RoughnessSchedule>(options.called("roughness"), given.cast<std::string>(), kSchedules);
-  if (!how.mips) how.mips = default_mip_count(schedule, how.size);
-  how.roughness = mip_roughness(schedule, *how.mips, how.size);
-  return schedule;
 }
 
 py::list levels_of(const Chain& chain) {
@@ -249,7 +239,7 @@ PrefilterOptions prefilter_options(Options& options, bool policy, Quality otherw
   PrefilterOptions how = PrefilterOptions::at(options.has("rms_error") ? Quality::normal : quality);
   options.read("size", how.size);
   options.read("mips", how.mips);
-  read_lobe_roughness(options, read_roughness(options, how), how);
+  read_roughness(options, how);
   options.read("lobe", how.lobe, kLobes);
   options.read("spectra", how.spectra);
   options.read("method", how.method, kMethods);

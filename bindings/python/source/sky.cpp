@@ -183,7 +183,7 @@ SkyCurve curve_of(const Sky& sky, const py::kwargs& given) {
 
 py::array cubemap_of(const Sky& sky, const py::object& sun, int size, const py::kwargs& given) {
   Options options("Sky.cubemap", given);
-  SkyPictureOptions how;
+  SkyImageOptions how;
   options.read("sun_disc", how.sun_disc);
   Call call("sky", options);
   options.finish();
@@ -193,7 +193,7 @@ py::array cubemap_of(const Sky& sky, const py::object& sun, int size, const py::
 
 py::array lat_long_of(const Sky& sky, const py::object& sun, int height, const py::kwargs& given) {
   Options options("Sky.lat_long", given);
-  SkyPictureOptions how;
+  SkyImageOptions how;
   options.read("sun_disc", how.sun_disc);
   Call call("sky", options);
   options.finish();

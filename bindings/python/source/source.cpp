@@ -49,7 +49,7 @@ PixelFormat format_of(const py::array& array, const std::string& encoding) {
          py::str(type.attr("str")).cast<std::string>() + "; pixels.astype(numpy.float32) makes a copy that is");
 }
 
-/// Where the rows of a picture lie.
+/// Where the rows of an image lie.
 struct Rows {
   const std::byte* first;
   py::ssize_t stride;  ///< bytes
@@ -104,7 +104,7 @@ CubemapView cubemap_of_faces(const py::array& array, PixelFormat format) {
   return view;
 }
 
-/// How a picture in a layout is cut into faces: its size in faces, and where each face lies.
+/// How an image in a layout is cut into faces: its size in faces, and where each face lies.
 struct Cut {
   Layout layout;
   int columns;
@@ -119,23 +119,23 @@ constexpr std::array<Cut, 4> kCuts = {{
     {Layout::vertical_cross, 3, 4, {{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {1, 3}}}},
 }};
 
-/// The face at a place, turned by half a turn, with the rows of the picture: the faces of a view have one stride.
-std::vector<std::byte> turned_face(const Rows& picture, const std::byte* face, int size) {
-  const py::ssize_t stride = picture.stride > 0 ? picture.stride : -picture.stride;
+/// The face at a place, turned by half a turn, with the rows of the image: the faces of a view have one stride.
+std::vector<std::byte> turned_face(const Rows& image, const std::byte* face, int size) {
+  const py::ssize_t stride = image.stride > 0 ? image.stride : -image.stride;
   std::vector<std::byte> rotated(static_cast<std::size_t>(stride * size));
-  const auto texel = static_cast<std::size_t>(picture.texel);
+  const auto texel = static_cast<std::size_t>(image.texel);
   for (py::ssize_t row = 0; row < size; ++row) {
-    // Rows of a picture that lies bottom-up go up in memory here too.
-    const py::ssize_t place = picture.stride > 0 ? row : size - 1 - row;
+    // Rows of an image that lies bottom-up go up in memory here too.
+    const py::ssize_t place = image.stride > 0 ? row : size - 1 - row;
     for (py::ssize_t column = 0; column < size; ++column) {
-      const std::byte* const from = face + (size - 1 - row) * picture.stride + (size - 1 - column) * picture.texel;
-      std::memcpy(rotated.data() + place * stride + column * picture.texel, from, texel);
+      const std::byte* const from = face + (size - 1 - row) * image.stride + (size - 1 - column) * image.texel;
+      std::memcpy(rotated.data() + place * stride + column * image.texel, from, texel);
     }
   }
   return rotated;
 }
 
-Source cubemap_of_picture(const py::array& array, const Cut& cut, PixelFormat format) {
+Source cubemap_of_image(const py::array& array, const Cut& cut, PixelFormat format) {
   const Rows rows = rows_of(array, 0, format);
   const int size = rows.width / cut.columns;
   if (size < 1 || size * cut.columns != rows.width || size * cut.rows != rows.height) {
@@ -157,14 +157,14 @@ Source cubemap_of_picture(const py::array& array, const Cut& cut, PixelFormat fo
   return source;
 }
 
-Source source_of_picture(const py::array& array, const std::string& layout, PixelFormat format) {
+Source source_of_image(const py::array& array, const std::string& layout, PixelFormat format) {
   if (layout.empty() || layout == name(Layout::lat_long)) {
     const Rows rows = rows_of(array, 0, format);
     return {LatLongView{rows.first, rows.width, rows.height, rows.stride, format}, array, {}};
   }
   std::string names = std::string("\"") + name(Layout::lat_long) + '"';
   for (const Cut& cut : kCuts) {
-    if (layout == name(cut.layout)) return cubemap_of_picture(array, cut, format);
+    if (layout == name(cut.layout)) return cubemap_of_image(array, cut, format);
     names += std::string(", \"") + name(cut.layout) + '"';
   }
   refuse("layout=\"" + layout + "\" is none of " + names);
@@ -175,7 +175,7 @@ Source source_of_array(const py::array& array, const std::string& layout, const 
     refuse("are (height, width, channels) or (6, n, n, channels), found shape " + shape_words(array));
   }
   const PixelFormat format = format_of(array, encoding);
-  if (array.ndim() == 3) return source_of_picture(array, layout, format);
+  if (array.ndim() == 3) return source_of_image(array, layout, format);
   if (!layout.empty()) refuse("layout is for arrays of three dimensions, found shape " + shape_words(array));
   return {cubemap_of_faces(array, format), array, {}};
 }

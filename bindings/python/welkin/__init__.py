@@ -30,7 +30,7 @@ from ._welkin import *  # noqa: F401,F403
 from ._welkin import __version__  # noqa: F401
 
 
-def _show_as_picture(kind):
+def _show_as_image(kind):
     """Notebooks draw what has `_repr_png_`."""
 
     def _repr_png_(self):
@@ -41,7 +41,7 @@ def _show_as_picture(kind):
 
 
 for _kind in (Environment, Chain, Bake, Irradiance):  # noqa: F405
-    _show_as_picture(_kind)
+    _show_as_image(_kind)
 
 __all__ = [name for name in dir(_welkin) if not name.startswith("_")] + [
     "Cancelled",

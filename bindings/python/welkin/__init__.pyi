@@ -14,8 +14,8 @@ __version__: str
 _Path: TypeAlias = str | os.PathLike[str]
 _File: TypeAlias = _Path | bytes
 _Array: TypeAlias = NDArray[np.float32] | NDArray[np.float16] | NDArray[np.uint8]
-_Picture: TypeAlias = Environment | Chain | Bake | Irradiance
-_Pixels: TypeAlias = _Array | Sequence[_Array] | _Picture | _File
+_Image: TypeAlias = Environment | Chain | Bake | Irradiance
+_Pixels: TypeAlias = _Array | Sequence[_Array] | _Image | _File
 _Progress: TypeAlias = bool | Callable[[float], object] | None
 _Layout: TypeAlias = (
     Literal["lat-long", "vertical-strip", "horizontal-strip", "horizontal-cross", "vertical-cross"] | None
@@ -980,7 +980,7 @@ def write_texture(
 ) -> _Written: ...
 def write_env(path: _Path, specular: Chain, radiance: SphericalHarmonics | ArrayLike) -> _Written: ...
 
-# ---- Pictures
+# ---- Images
 
 def to_cubemap(
     pixels: _Pixels,

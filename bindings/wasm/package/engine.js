@@ -172,7 +172,7 @@ function sunOf(numbers) {
     : { direction: [...numbers.subarray(0, 3)], irradiance: [...numbers.subarray(3, 6)], angularRadius: numbers[6] };
 }
 
-/** Turns faces into those of the picture mirrored in x, in place: +X and -X change places, and rows run the other way. */
+/** Turns faces into those of the image mirrored in x, in place: +X and -X change places, and rows run the other way. */
 function mirror(faces, size) {
   for (const face of faces) {
     const words = new Uint32Array(face.buffer, face.byteOffset, face.byteLength / 4);
@@ -276,7 +276,7 @@ function source(instance, request) {
   }
   const { width, height } = request;
   if (!Number.isInteger(width) || width < 1 || (height !== 0 && (!Number.isInteger(height) || height < 1))) {
-    throw failure('invalid_argument', `the picture has ${width} x ${height || width} texels; both must be whole numbers`);
+    throw failure('invalid_argument', `the image has ${width} x ${height || width} texels; both must be whole numbers`);
   }
   const texels = height === 0 ? 6 * width * width : width * height;
   const bytes = request.pixels.reduce((sum, part) => sum + part.byteLength, 0);

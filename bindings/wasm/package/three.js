@@ -5,7 +5,7 @@ const ODD_IN_X = [3, 4, 7];
 
 /**
  * Writes a result's coefficients of radiance to a `LightProbe`. `mirrored`: they were projected from the faces of a
- * `CubeTexture` as they are; not so those of a picture (`bakeEnvironment`, `projectEquirect`, `sky`).
+ * `CubeTexture` as they are; not so those of an image (`bakeEnvironment`, `projectEquirect`, `sky`).
  */
 export function setLightProbe(probe, { radiance }, { mirrored = false } = {}) {
   for (let k = 0; k < 9; ++k) {

@@ -26,13 +26,9 @@ PrefilterOptions prefilter_options(const Options& options, int first) {
   require_edge("size", wanted.size);
   const int mips = options.whole(first + kChainMips);
   wanted.lobe = static_cast<LobeFamily>(options.whole(first + kChainLobe));
-  if (wanted.lobe == LobeFamily::charlie || wanted.lobe == LobeFamily::lambert) {
-    if (mips != 0) wanted.mips = mips;
-  } else {
-    wanted.mips = mips != 0 ? mips : default_mip_count(schedule, wanted.size);
-    wanted.roughness = mip_roughness(schedule, *wanted.mips, wanted.size);
-    if (options.flag(first + kChainFitted))
-      wanted.lobe_roughness = fitted_mip_roughness(schedule, *wanted.mips, wanted.size);
+  if (mips != 0) wanted.mips = mips;
+  if (wanted.lobe != LobeFamily::charlie && wanted.lobe != LobeFamily::lambert) {
+    wanted.use_schedule(schedule, options.flag(first + kChainFitted));
   }
   if (bounded) wanted.rms_error = options.number(first + kChainError);
   if (options.number(first + kChainLargestError) > 0.0)

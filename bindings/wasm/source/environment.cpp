@@ -57,7 +57,7 @@ CubemapView unpacked_cube(const float* values, int size) {
 }
 
 /// Results behind those of `bake_pixels`: the sun that was taken out (direction, irradiance, radius in degrees), or
-/// nothing; the picture's width and height.
+/// nothing; the image's width and height.
 void bake_bytes(const Options& options) {
   const int width = options.whole(kFileWidth);
   const int height = options.whole(kFileHeight);
@@ -78,15 +78,15 @@ void bake_bytes(const Options& options) {
   ReadOptions read;
   read.layout = static_cast<Layout>(options.whole(kFileLayout));
   read.memory_limit_bytes = kMaxBytes;
-  Environment picture = read_environment({bytes, options.pointer<char>(kFileName)}, read, part(0.0, 0.2));
+  Environment image = read_environment({bytes, options.pointer<char>(kFileName)}, read, part(0.0, 0.2));
   std::optional<Sun> sun;
-  if (picture.face_size() == 0) {
-    sun = bake_wide(picture.lat_long(), options, [&] { picture.pixels.reset(); });
+  if (image.face_size() == 0) {
+    sun = bake_wide(image.lat_long(), options, [&] { image.pixels.reset(); });
   } else {
-    bake_cube(picture.cubemap(), options);
+    bake_cube(image.cubemap(), options);
   }
   give_sun(sun);
-  give(std::vector<double>{static_cast<double>(picture.info.width), static_cast<double>(picture.info.height)});
+  give(std::vector<double>{static_cast<double>(image.info.width), static_cast<double>(image.info.height)});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// As left_out.cpp, in the module without others' codecs: .env files, whose pictures are PNG.
+// As left_out.cpp, in the module without others' codecs: .env files, whose images are PNG.
 #include <memory>
 
 #include "files/env.h"

@@ -2,13 +2,13 @@
 #include <span>
 #include <vector>
 
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 #include "welkin/core.h"
 
 namespace welkin::image {
 
-EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> /*levels*/, const Bc6hOptions& /*options*/,
-                                   const Control& /*control*/) {
+EncodedLevels encode_bc6h_images(std::span<const std::vector<LatLongView>> /*levels*/, const Bc6hOptions& /*options*/,
+                                 const Control& /*control*/) {
   throw Error(ErrorCode::unsupported_file, "WebAssembly's modules are built without an encoder of BC6H");
 }
 

@@ -34,8 +34,7 @@ Cubemap env_chain(const LatLongView* wide, const CubemapView* cube, const Option
   if (options.whole(first + kChainSize) != 0) chain.size = options.whole(first + kChainSize);
   require_edge("size", chain.size);
   chain.mips = full_chain_levels(chain.size);
-  chain.roughness = mip_roughness(RoughnessSchedule::babylon, *chain.mips, chain.size);
-  chain.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::babylon, *chain.mips, chain.size);
+  chain.use_schedule(RoughnessSchedule::babylon, true);
   chain.pixels = policy;
   return (wide != nullptr ? prefilter_specular(*wide, chain, control) : prefilter_specular(*cube, chain, control))
       .cubemap;

@@ -18,7 +18,7 @@ enum LightOption { kLightBands = kChainOptions, kLightEnv, kLightKtx2, kLightTex
 /// The share of a call's progress between two others.
 [[nodiscard]] Control part(double from, double to);
 
-/// Bakes one of the two pictures. Results: radiance; the polynomial in Babylon.js's axes; then, each empty where it was
+/// Bakes one of the two images. Results: radiance; the polynomial in Babylon.js's axes; then, each empty where it was
 /// not asked for, the chain's numbers, its texels, packed RGB floats of an .env's chain and of the chain itself, the
 /// background's texels. Progress begins at `from`.
 void bake_pixels(const LatLongView* wide, const CubemapView* cube, const Options& options, int first,

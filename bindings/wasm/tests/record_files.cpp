@@ -50,7 +50,7 @@ class Memory final : public Imf::OStream {
 };
 
 /// A slope, a sun, and a little noise.
-std::vector<float> picture() {
+std::vector<float> image() {
   std::vector<float> rgb;
   std::uint32_t state = 7;
   for (int row = 0; row < kHeight; ++row) {
@@ -147,7 +147,7 @@ void print_light(const std::string& name, const std::vector<std::byte>& file, bo
 }  // namespace
 
 int main() {
-  const std::vector<float> rgb = picture();
+  const std::vector<float> rgb = image();
   struct Kind {
     const char* name;
     Imf::Compression compression;

@@ -122,7 +122,7 @@ class TypedJobRecord final : public JobRecord {
 };
 
 /// Where a computation runs.
-enum class CallPlace {
+enum class CallSite {
   worker,   ///< on a thread of the worker
   drain,    ///< on the thread that calls `drain()`
   at_once,  ///< on the thread that completes the job which it follows
@@ -133,7 +133,7 @@ class Computation {
  public:
   Computation() = default;
   /// Creates a computation that follows a job, whether that has failed or not.
-  explicit Computation(CallPlace its_place) noexcept : runs_after_errors(true), where(its_place) {}
+  explicit Computation(CallSite its_site) noexcept : runs_after_errors(true), where(its_site) {}
   virtual ~Computation() = default;
   Computation(const Computation&) = delete;
   Computation& operator=(const Computation&) = delete;
@@ -154,7 +154,7 @@ class Computation {
   }
 
   const bool runs_after_errors = false;  ///< runs even if the job that it follows has failed
-  const CallPlace where = CallPlace::worker;
+  const CallSite where = CallSite::worker;
 
   std::atomic<double> progress{0.0};  ///< 0 to 1, never decreasing
   std::exception_ptr failure;         ///< error of the job that it follows; set before it starts

@@ -57,35 +57,35 @@ std::string bytes_of(const Path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// An .env of one texel a face whose pictures begin as `picture` does.
-void put_env(const Path& path, const std::string& picture) {
-  const std::string entry = "{\"position\":0,\"length\":" + std::to_string(picture.size()) + "}";
+/// An .env of one texel a face whose images begin as `image` does.
+void put_env(const Path& path, const std::string& image) {
+  const std::string entry = "{\"position\":0,\"length\":" + std::to_string(image.size()) + "}";
   std::string entries = entry;
   for (int face = 1; face < 6; ++face) entries += "," + entry;
   std::string env("\x86\x16\x87\x96\xf6\xd6\x96\x36");
   env += "{\"version\":2,\"width\":1,\"specular\":{\"mipmaps\":[" + entries + "]}}";
   env += '\0';
-  put(path, env + picture);
+  put(path, env + image);
 }
 
-void pictures(const Path& folder) {
-  const welkin::LatLongImage picture{8, 4, std::vector<float>(std::size_t{8} * 4 * 3, 0.5F)};
+void images(const Path& folder) {
+  const welkin::LatLongImage image{8, 4, std::vector<float>(std::size_t{8} * 4 * 3, 0.5F)};
   works("a Radiance file", [&] {
-    welkin::write_environment(folder / "even.hdr", picture.view());
+    welkin::write_environment(folder / "even.hdr", image.view());
     if (welkin::project_file(folder / "even.hdr").diagnostics.texels != 32) fail("even.hdr has other texels");
   });
   works("a PFM", [&] {
-    welkin::write_environment(folder / "even.pfm", picture.view());
+    welkin::write_environment(folder / "even.pfm", image.view());
     (void)welkin::read_environment(folder / "even.pfm");
   });
   const Path exr = folder / "even.exr";
   refused(exr, "WELKIN_EXR", [&] { welkin::check_write_options(exr, {}, false); });
-  refused(exr, "WELKIN_EXR", [&] { welkin::write_environment(exr, picture.view()); });
+  refused(exr, "WELKIN_EXR", [&] { welkin::write_environment(exr, image.view()); });
   put(exr, std::string("\x76\x2f\x31\x01\x02\0\0\0", 8));
   refused(exr, "WELKIN_EXR", [&] { (void)welkin::inspect_environment(exr); });
   refused(exr, "WELKIN_EXR", [&] { (void)welkin::project_file(exr); });
   const Path png = folder / "even.png";
-  refused(png, "WELKIN_PNG", [&] { welkin::write_environment(png, picture.view()); });
+  refused(png, "WELKIN_PNG", [&] { welkin::write_environment(png, image.view()); });
   put(png, "\x89PNG\r\n\x1a\n");
   refused(png, "WELKIN_PNG", [&] { (void)welkin::read_environment(png); });
   const Path jpeg = folder / "even.jpg";
@@ -158,7 +158,7 @@ void babylon(const Path& folder) {
   welkin::BabylonEnvironment environment;
   environment.specular = welkin::Cubemap(1, 1);
   refused(written, "WELKIN_PNG", [&] { welkin::write_babylon_environment(written, environment); });
-  refused("images of RGBD", "WELKIN_PNG", [&] { (void)welkin::rgbd_pictures(environment.specular); });
+  refused("images of RGBD", "WELKIN_PNG", [&] { (void)welkin::rgbd_images(environment.specular); });
   const Path png = folder / "png.env";
   put_env(png, "\x89PNG\r\n\x1a\n....");
   refused(png, "WELKIN_PNG", [&] { (void)welkin::read_babylon_environment(png); });
@@ -177,7 +177,7 @@ int main(int count, char** arguments) {
   }
   const Path folder = Path(arguments[1]) / "files";
   std::filesystem::create_directories(folder);
-  pictures(folder);
+  images(folder);
   textures(folder);
   blocks(folder);
   babylon(folder);

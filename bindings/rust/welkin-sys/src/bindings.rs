@@ -1172,7 +1172,7 @@ extern "C" {
 extern "C" {
     #[doc = " Writes an image of the sky: a cubemap, or a lat-long if the target is flat, whose width must be twice its height."]
     #[doc = " `sun_disc` 1 includes the sun's disc, by the area of texels that it covers."]
-    pub fn welkin_sky_view_picture(
+    pub fn welkin_sky_view_image(
         view: *const welkin_sky_view,
         sun: *const f64,
         sun_disc: i32,

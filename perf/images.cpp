@@ -41,11 +41,11 @@ struct NamedEffort {
 constexpr std::array kEfforts{NamedEffort{"fast", Bc6hEffort::fast}, NamedEffort{"normal", Bc6hEffort::normal},
                               NamedEffort{"slow", Bc6hEffort::slow}};
 
-Cubemap whole_chain(const LatLongView& picture, int size) {
+Cubemap whole_chain(const LatLongView& image, int size) {
   PrefilterOptions options;
   options.size = size;
   options.mips = full_chain_levels(size);
-  return prefilter_specular(picture, options).cubemap;
+  return prefilter_specular(image, options).cubemap;
 }
 
 double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
@@ -75,7 +75,7 @@ void add_row(Table& table, const std::string& name, const Cubemap& chain, const 
 
 void add_bc6h() {
   const auto chain = [](int size) {
-    return std::make_shared<const Cubemap>(whole_chain(sky_picture({.grain = 0.3, .sun = 500.0})->view(), size));
+    return std::make_shared<const Cubemap>(whole_chain(sky_image({.grain = 0.3, .sun = 500.0})->view(), size));
   };
   for (const int size : {256, 512}) {
     const double texels = 6.0 * (4.0 * size * size - 1.0) / 3.0;

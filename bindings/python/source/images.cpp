@@ -1,4 +1,4 @@
-// Pictures of another shape, and previews for people.
+// Images of another shape, and previews for people.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -53,19 +53,19 @@ constexpr int kExposureSize = 32;  // texels of the faces by which an exposure i
 
 /// What a preview shows: linear, in [0, 1], and the exposure that made it so.
 struct Shown {
-  LatLongImage picture;
+  LatLongImage image;
   double exposure;
 };
 
 Shown shown_as(const Source& source, int height, double exposure, const Control& control) {
   Shown made{to_lat_long(source.view, 2 * height, height, dmat3(1.0)), exposure};
   if (exposure <= 0.0) {
-    const Cubemap small = to_cubemap(made.picture.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
+    const Cubemap small = to_cubemap(made.image.view(), kExposureSize, dmat3(1.0), ResampleFilter::area, control);
     made.exposure = exposure_of(small.view());
   }
   const tool::ToneMap curve{made.exposure};
-  for (std::size_t texel = 0; texel + 2 < made.picture.pixels.size(); texel += 3) {
-    float* const rgb = made.picture.pixels.data() + texel;
+  for (std::size_t texel = 0; texel + 2 < made.image.pixels.size(); texel += 3) {
+    float* const rgb = made.image.pixels.data() + texel;
     const glm::vec3 light = curve(glm::vec3(rgb[0], rgb[1], rgb[2]));
     std::copy_n(&light.x, 3, rgb);
   }
@@ -80,7 +80,7 @@ py::bytes preview(const py::object& pixels, int height, double exposure, const p
   std::vector<std::byte> bytes;
   call.run([&](const Control& control) {
     const Shown made = shown_as(source, height, exposure, control);
-    write_environment({bytes, "preview.png"}, made.picture.view());
+    write_environment({bytes, "preview.png"}, made.image.view());
   });
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -90,13 +90,12 @@ py::array tone_mapped(const py::object& pixels, int height, double exposure, con
   const Source source = source_of(pixels, options);
   Call call("tone_mapped", options);
   options.finish();
-  return array_of(
-      call.run([&](const Control& control) { return shown_as(source, height, exposure, control).picture; }));
+  return array_of(call.run([&](const Control& control) { return shown_as(source, height, exposure, control).image; }));
 }
 
 }  // namespace
 
-void bind_pictures(py::module_& module) {
+void bind_images(py::module_& module) {
   module.def(
       "to_cubemap", &cubemap_from, py::arg("pixels"), py::arg("size"),
       "to_cubemap(pixels, size, *, rotation=None, filter='area', layout=None, encoding=None, read=None, "

@@ -9,7 +9,7 @@
 using namespace welkin;
 using namespace welkin::test;
 
-// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the picture that lies beside it.
+// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the image that lies beside it.
 
 namespace {
 
@@ -28,7 +28,7 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   const auto baked = scratch.path() / "baked";
   for (const std::string& engine : {std::string(), std::string("--for unreal ")}) {
     const nlohmann::json manifest =
-        bake_sky(sky, engine + "--sun-elevation 20 --picture-height 64 --no-previews --formats ktx2,dds,exr,env");
+        bake_sky(sky, engine + "--sun-elevation 20 --image-height 64 --no-previews --formats ktx2,dds,exr,env");
     CHECK(names_in(sky) == names_of(manifest));
     bake_into(baked, engine + kSmallBake + "--size 32 --background-size 128 --no-previews --formats ktx2,dds,exr,env " +
                          quoted(sky / "sky.exr"));
@@ -47,14 +47,14 @@ TEST_CASE("sky -o: the files are those of a bake of sky.exr", "[tools][sky][bake
   }
 }
 
-TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless asked for", "[tools][sky][bake][slow]") {
+TEST_CASE("sky -o: sky.exr is the library's image, the sun left out unless asked for", "[tools][sky][bake][slow]") {
   const TemporaryFile out("out");
   const auto tables = small_sky();
   const SkyView view(tables, 0.0);
   const glm::dvec3 sun = sun_direction(30.0, 40.0);
   for (const bool inside : {false, true}) {
     const nlohmann::json manifest =
-        bake_sky(out, std::string("--sun-elevation 30 --sun-azimuth 40 --picture-height 48 --no-previews ") +
+        bake_sky(out, std::string("--sun-elevation 30 --sun-azimuth 40 --image-height 48 --no-previews ") +
                           (inside ? "--sun-disc" : ""));
     const Environment stored = read_environment(out / "sky.exr");
     const LatLongImage expected = sky_lat_long(view, sun, 48, {.sun_disc = inside});
@@ -72,7 +72,7 @@ TEST_CASE("sky -o: sky.exr is the library's picture, the sun left out unless ask
   }
 }
 
-// `welkin sky --sweep`: a picture and a text beside it; days are bright and blue, dusk is red, nights are dark.
+// `welkin sky --sweep`: an image and a text beside it; days are bright and blue, dusk is red, nights are dark.
 
 namespace {
 
@@ -93,7 +93,7 @@ std::vector<double> elevations(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[tools][sky][slow]") {
+TEST_CASE("sky --sweep: image and text have the tiles that were asked for", "[tools][sky][slow]") {
   const TemporaryDirectory folder;
   const auto file = folder.path() / "day.png";
   struct Case {
@@ -110,9 +110,9 @@ TEST_CASE("sky --sweep: picture and text have the tiles that were asked for", "[
     INFO(each.arguments);
     const std::string said = printed_by("sky " + kFewColours + each.arguments + " --sweep " + quoted(file));
     CHECK(said == file_text(folder.path() / "day.txt"));
-    const EnvironmentInfo picture = read_environment(file, {.layout = Layout::lat_long}).info;
-    CHECK(picture.width == each.width);
-    CHECK(picture.height == each.height);
+    const EnvironmentInfo image = read_environment(file, {.layout = Layout::lat_long}).info;
+    CHECK(image.width == each.width);
+    CHECK(image.height == each.height);
     const std::vector<double> found = elevations(said);
     REQUIRE(found.size() == each.tiles);
     CHECK(found.front() == each.first);

@@ -1,4 +1,4 @@
-// The commands that write an environment as pictures: `welkin convert`, in another format, layout, size or orientation,
+// The commands that write an environment as images: `welkin convert`, in another format, layout, size or orientation,
 // `welkin testmap`, one that shows by itself how it is turned, and `welkin sample`, a room to try the others with.
 #include <cmath>
 #include <cstddef>
@@ -95,32 +95,32 @@ void check_output(const OutputOptions& options, bool cubemap) {
   }
 }
 
-/// Returns words for the content of a file of the picture.
-std::string words_of(const EnvironmentView& picture, Layout layout) {
-  if (picture.kind() == EnvironmentKind::lat_long) {
-    const LatLongView whole = picture.lat_long();
+/// Returns words for the content of a file of the image.
+std::string words_of(const EnvironmentView& image, Layout layout) {
+  if (image.kind() == EnvironmentKind::lat_long) {
+    const LatLongView whole = image.lat_long();
     return std::string(name(Layout::lat_long)) + ", " + size_text(whole.width, whole.height);
   }
-  const std::string face = size_text(picture.cubemap().size, picture.cubemap().size);
+  const std::string face = size_text(image.cubemap().size, image.cubemap().size);
   if (layout == Layout::six_files) return "one face of six, " + face;
   return std::string(name(layout == Layout::automatic ? Layout::vertical_strip : layout)) + ", faces of " + face;
 }
 
 /// Writes, and says what was written: a line a file, and a note about clamped values; nothing of standard output, which
 /// gets the bytes.
-std::string write_output(const OutputOptions& options, const EnvironmentView& picture, const Control& control) {
+std::string write_output(const OutputOptions& options, const EnvironmentView& image, const Control& control) {
   begin_stage("write");
   if (!is_standard_stream(options.path)) {
-    const WriteReport report = write_environment(platform::path_of(options.path), picture, options.write, control);
-    return described(report, words_of(picture, options.write.layout), options.if_clamped);
+    const WriteReport report = write_environment(platform::path_of(options.path), image, options.write, control);
+    return described(report, words_of(image, options.write.layout), options.if_clamped);
   }
   std::vector<std::byte> bytes;
-  write_environment({bytes, name_of_output(options)}, picture, options.write, control);
+  write_environment({bytes, name_of_output(options)}, image, options.write, control);
   print_result({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   return "";
 }
 
-/// Throws `Error` (limit_exceeded) if a picture of so many texels cannot be made beside `held` of the input.
+/// Throws `Error` (limit_exceeded) if an image of so many texels cannot be made beside `held` of the input.
 void require_memory(const CommonOptions& common, const OutputOptions& output, std::uint64_t texels,
                     std::uint64_t held = 0) {
   constexpr std::uint64_t kTexelBytes = 12;
@@ -160,16 +160,16 @@ struct ConvertOptions {
   OrientationOptions orientation;
   SunChoice sun;
   bool tone_map = false;
-  std::optional<double> exposure_stops;  ///< none: by the picture
+  std::optional<double> exposure_stops;  ///< none: by the image
 };
 
-/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `picture`: the view of `rgb`.
-void tone_map(const ConvertOptions& options, const EnvironmentView& picture, std::span<float> rgb) {
+/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `image`: the view of `rgb`.
+void tone_map(const ConvertOptions& options, const EnvironmentView& image, std::span<float> rgb) {
   constexpr int kEnough = 32;  // as for the previews
   if (!options.tone_map) return;
   begin_stage("tone map");
   const std::optional<double>& stops = options.exposure_stops;
-  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(to_cubemap(picture, kEnough).view())};
+  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(to_cubemap(image, kEnough).view())};
   for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
     const glm::vec3 light = shown(glm::vec3(rgb[i], rgb[i + 1], rgb[i + 2]));
     for (int c = 0; c < 3; ++c) rgb[i + static_cast<std::size_t>(c)] = light[c];
@@ -180,7 +180,7 @@ void tone_map(const ConvertOptions& options, const EnvironmentView& picture, std
 std::string write_converted(const ConvertOptions& options, const Environment& source, const Control& control) {
   const int face = source.face_size();
   const bool cubemap = wants_cubemap(options.output, face > 0);
-  const glm::dmat3 rotation = picture_rotation(options.orientation, face > 0, cubemap);
+  const glm::dmat3 rotation = image_rotation(options.orientation, face > 0, cubemap);
   const int asked = options.output.size;
   const int size = asked > 0 ? asked : face > 0 ? face : (source.info.width + 3) / 4;  // of a cubemap
   const int width = asked > 0 ? asked : face > 0 ? 4 * face : source.info.width;       // of a lat-long
@@ -268,7 +268,7 @@ TestMapAxes axes_of(Engine engine, bool cubemap) {
   return axes;
 }
 
-/// `draw`: returns a picture of the size, an edge's or a width.
+/// `draw`: returns an image of the size, an edge's or a width.
 template <class Draw>
 std::string draw_and_write(const CommonOptions& common, const OutputOptions& output, bool cubemap, int size,
                            const Control& control, const Draw& draw) {

@@ -1,4 +1,4 @@
-// The sun's disc in pictures of a sky.
+// The sun's disc in images of a sky.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Promise: resampled, prefiltered and tabulated pictures have the bits of before (see projections_test.cpp).
+// Promise: resampled, prefiltered and tabulated images have the bits of before (see projections_test.cpp).
 #include "reflections/prefilter.h"
 #include "support/catch.h"
 #include "support/recorded_results.h"
@@ -47,7 +47,7 @@ const std::vector<glm::dvec3>& directions() {
 
 }  // namespace
 
-TEST_CASE("Resampled pictures are the same as before", "[same_as_before]") {
+TEST_CASE("Resampled images are the same as before", "[same_as_before]") {
   const TestLatLong wide = make_lat_long(Content::high_range, 128, 64, 41);
   const TestLatLong odd_wide = make_lat_long(Content::random, 37, 19, 42, 4);
   const TestLatLongHalf half = make_lat_long_half(Content::one_texel_sun, 96, 50, 43);

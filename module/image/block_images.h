@@ -1,4 +1,4 @@
-// Pictures in blocks of 4 x 4 texels, the faces of cubemaps among them: which blocks are encoded together, and where
+// Images in blocks of 4 x 4 texels, the faces of cubemaps among them: which blocks are encoded together, and where
 // they go. BC6H and UASTC HDR are formats of such blocks.
 #pragma once
 
@@ -73,12 +73,12 @@ inline constexpr double kMeanTolerance = 0.002;
   return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
 }
 
-// How pictures are encoded.
+// How images are encoded.
 
 /// Levels in blocks, and what was measured on the way.
 struct EncodedLevels {
   struct Level {
-    std::vector<std::uint8_t> blocks;  ///< of one picture after the other, rows of blocks from the top
+    std::vector<std::uint8_t> blocks;  ///< of one image after the other, rows of blocks from the top
     std::vector<BlockLight> lights;    ///< of the given texels of each block
     double squares = 0.0;              ///< the sum of squared errors, in units of the halves' last bits
   };
@@ -95,7 +95,7 @@ struct BlockFormat {
   /// Two lines, for blocks that one was not enough for: the group as the function above left it.
   void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
   /// Changes a level's brightest blocks to keep each channel's mean, once all are encoded.
-  void (*balance)(const std::vector<LatLongView>& pictures, const BlockFormat& format, EncodedLevels::Level& level);
+  void (*balance)(const std::vector<LatLongView>& images, const BlockFormat& format, EncodedLevels::Level& level);
 
   /// How many partitions of a block are encoded.
   [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
@@ -103,40 +103,39 @@ struct BlockFormat {
   [[nodiscard]] float least() const noexcept { return is_signed ? -kLargestHalf : 0.0F; }
 };
 
-/// Encodes the pictures of each level, which have the same size within a level, and balances them. Throws `Error`:
+/// Encodes the images of each level, which have the same size within a level, and balances them. Throws `Error`:
 /// invalid_argument (the effort), cancelled; `std::bad_alloc`.
-[[nodiscard]] EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
-                                            const Control& control);
+[[nodiscard]] EncodedLevels encode_images(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
+                                          const Control& control);
 
 /// Encodes them in BC6H; as `encode_bc6h` otherwise.
-[[nodiscard]] EncodedLevels encode_bc6h_pictures(std::span<const std::vector<LatLongView>> levels,
-                                                 const Bc6hOptions& options, const Control& control);
+[[nodiscard]] EncodedLevels encode_bc6h_images(std::span<const std::vector<LatLongView>> levels,
+                                               const Bc6hOptions& options, const Control& control);
 
 /// Encodes them in blocks of `uastc_hdr.h`.
-[[nodiscard]] EncodedLevels encode_uastc_hdr_pictures(std::span<const std::vector<LatLongView>> levels,
-                                                      Bc6hEffort effort, const Control& control);
+[[nodiscard]] EncodedLevels encode_uastc_hdr_images(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
+                                                    const Control& control);
 
-/// The weight of texels beyond a picture's edge.
+/// The weight of texels beyond an image's edge.
 inline constexpr float kPaddingWeight = 1.0F / 1024.0F;
 
-/// A block's texels as halves hold them, from `least` on; those beyond its picture's edge repeat the last ones.
+/// A block's texels as halves hold them, from `least` on; those beyond its image's edge repeat the last ones.
 struct BlockTexels {
   std::array<float, 3 * kBlockTexels> values;
   std::array<bool, kBlockTexels> inside;
 };
-/// `block`: counted over all pictures of a level.
-[[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block,
-                                       float least) noexcept;
+/// `block`: counted over all images of a level.
+[[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& images, std::size_t block, float least) noexcept;
 
 /// Writes the block's texels to all lanes, with those weights that are given to `Bc6hKernels::prepare`.
 void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept;
 
-/// A cubemap's faces, each as a picture.
-[[nodiscard]] std::vector<LatLongView> pictures_of(const CubemapView& view);
+/// A cubemap's faces, each as an image.
+[[nodiscard]] std::vector<LatLongView> images_of(const CubemapView& view);
 
-/// Bytes of a picture in blocks.
+/// Bytes of an image in blocks.
 [[nodiscard]] std::size_t block_bytes(int width, int height) noexcept;
 
-[[nodiscard]] std::int64_t texels_of(const std::vector<LatLongView>& pictures) noexcept;
+[[nodiscard]] std::int64_t texels_of(const std::vector<LatLongView>& images) noexcept;
 
 }  // namespace welkin::image

@@ -1,4 +1,4 @@
-// Pictures: resampled, projected, convolved, and tables of roughness.
+// Images: resampled, projected, convolved, and tables of roughness.
 #include <array>
 #include <cstddef>
 #include <cstring>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calls.h"
-#include "pictures.h"
+#include "images.h"
 #include "welkin/image.h"
 #include "welkin/importance.h"
 #include "welkin/probes.h"
@@ -246,7 +246,7 @@ void call_bc6h(Calls& calls, const Cubemap& cube) {
 
 }  // namespace
 
-void call_pictures(Calls& calls) {
+void call_images(Calls& calls) {
   const LatLongImage wide = small_lat_long();
   const Cubemap cube = small_cubemap();
   call_image(calls, wide, cube);

@@ -1,4 +1,4 @@
-#include "reflections/picture_measures.h"
+#include "reflections/image_measures.h"
 
 #include <algorithm>
 #include <array>

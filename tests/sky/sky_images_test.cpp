@@ -1,5 +1,5 @@
-// Pictures of skies, small skies for reflections, and skies that keep an environment.
-#include "sky/sky_pictures.h"
+// Images of skies, small skies for reflections, and skies that keep an environment.
+#include "sky/sky_images.h"
 
 #include "float_environment/modes.h"
 #include "image/geometry.h"
@@ -17,7 +17,7 @@
 
 namespace welkin::test {
 
-// Pictures of skies: their texels are the view's radiance, the sun's disc in them is the directional light.
+// Images of skies: their texels are the view's radiance, the sun's disc in them is the directional light.
 
 namespace {
 
@@ -28,10 +28,10 @@ const SkyView& view_at(double altitude) {
   return altitude > 1e5 ? space : altitude > 0.0 ? hill : ground;
 }
 
-/// The sun in a picture adds its irradiance to the light.
+/// The sun in an image adds its irradiance to the light.
 template <class Image>
-void check_disc_irradiance(const Image& picture, const Image& plain, const glm::dvec3& irradiance) {
-  const glm::dvec3 with = total_radiance_of(picture);
+void check_disc_irradiance(const Image& image, const Image& plain, const glm::dvec3& irradiance) {
+  const glm::dvec3 with = total_radiance_of(image);
   const glm::dvec3 without = total_radiance_of(plain);
   for (int c = 0; c < 3; ++c) {
     CAPTURE(c, with[c], without[c], irradiance[c]);
@@ -45,7 +45,7 @@ bool all_sound(std::span<const float> pixels) {
 
 }  // namespace
 
-TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pictures]") {
+TEST_CASE("sky images: a texel is the radiance at its centre", "[sky][view][images]") {
   const glm::dvec3 sun = sun_direction(12.0, 33.0);
   for (const double altitude : {0.0, 900.0, 400'000.0}) {
     const SkyView& view = view_at(altitude);
@@ -77,8 +77,7 @@ TEST_CASE("sky pictures: a texel is the radiance at its centre", "[sky][view][pi
   }
 }
 
-TEST_CASE("sky pictures: the disc's total radiance is the directional light's irradiance",
-          "[sky][view][pictures][truth]") {
+TEST_CASE("sky images: the disc's total radiance is the directional light's irradiance", "[sky][view][images][truth]") {
   for (const double altitude : {0.0, 900.0, 400'000.0}) {
     const SkyView& view = view_at(altitude);
     // High, low, half set, a sliver, below the horizon of the ground but not of the hill, straight up, gone.
@@ -99,7 +98,7 @@ TEST_CASE("sky pictures: the disc's total radiance is the directional light's ir
   }
 }
 
-TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures][truth]") {
+TEST_CASE("sky images: the disc covers what it covers", "[sky][view][images][truth]") {
   const double radius = 0.2678;
   const double turn = radius * 3.14159265358979324 / 180.0;
   const double whole = 2.0 * 3.14159265358979324 * (1.0 - std::cos(turn));
@@ -132,7 +131,7 @@ TEST_CASE("sky pictures: the disc covers what it covers", "[sky][view][pictures]
   CHECK(std::abs(sum(sky::covered_texels(disc, image::TexelGrid::cubemap(100))) / whole - 0.195501) < 2e-3);
 }
 
-TEST_CASE("sky pictures: calls are checked, stopped and report progress", "[sky][view][pictures][errors]") {
+TEST_CASE("sky images: calls are checked, stopped and report progress", "[sky][view][images][errors]") {
   const SkyView& view = view_at(0.0);
   const glm::dvec3 sun(0.0, 1.0, 0.0);
   for (const int size : {0, -1, 16385}) {

@@ -1,5 +1,5 @@
-// A view as pictures.
-#include "sky/sky_pictures.h"
+// A view as images.
+#include "sky/sky_images.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr int kChunk = 64;                // directions
 constexpr int kTileTexels = 1024;         // some 50 microseconds
 constexpr std::int64_t kTexelCost = 100;  // in texels that are only read: `jobs::placement_for` counts those
 
-/// A slice reduced to one sun, for many rows of a picture.
+/// A slice reduced to one sun, for many rows of an image.
 class SunnySlice {
  public:
   SunnySlice(const SkyView& view, const glm::dvec3& sun)
@@ -104,31 +104,31 @@ void add_disc(const SkyView& view, const glm::dvec3& towards, const image::Texel
 
 }  // namespace
 
-Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyPictureOptions& options,
+Cubemap sky_cubemap(const SkyView& view, const glm::dvec3& sun, int size, const SkyImageOptions& options,
                     const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::require_range("the sky's cubemap size", size, 1, kLargestSize);
   const auto edge = static_cast<std::size_t>(size);
-  Cubemap picture(size, 1, control.memory);
+  Cubemap image(size, 1, control.memory);
   const SunnySlice slice(view, sun);
   for_rows(6 * size, size, control, [&](int j) {
     const image::Frame& frame = image::face_frame(j / size);
     const glm::dvec3 row = frame.normal + ((2.0 * (j % size) + 1.0) / size - 1.0) * frame.v;
     slice.fill(
         size, [&](int i) { return row + ((2.0 * i + 1.0) / size - 1.0) * frame.u; },
-        picture.face(0) + 3 * edge * static_cast<std::size_t>(j));
+        image.face(0) + 3 * edge * static_cast<std::size_t>(j));
   });
-  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::cubemap(size), picture.pixels());
-  return picture;
+  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::cubemap(size), image.pixels());
+  return image;
 }
 
-LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height, const SkyPictureOptions& options,
+LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height, const SkyImageOptions& options,
                           const Control& control) {
   const platform::FloatingPointScope floating_point;
   image::require_range("the sky's lat-long height", height, 1, kLargestSize);
   const int width = 2 * height;
   const auto columns = static_cast<std::size_t>(width);
-  LatLongImage picture{width, height, std::vector<float>(3 * columns * static_cast<std::size_t>(height))};
+  LatLongImage image{width, height, std::vector<float>(3 * columns * static_cast<std::size_t>(height))};
   std::vector<math::SineCosine> longitudes;
   longitudes.reserve(columns);
   for (int i = 0; i < width; ++i) longitudes.push_back(math::sine_cosine_of_turns(0.5 - (i + 0.5) / width));
@@ -141,10 +141,10 @@ LatLongImage sky_lat_long(const SkyView& view, const glm::dvec3& sun, int height
           const math::SineCosine& longitude = longitudes[static_cast<std::size_t>(i)];
           return glm::dvec3(longitude.sine * latitude.cosine, latitude.sine, longitude.cosine * latitude.cosine);
         },
-        picture.pixels.data() + 3 * columns * static_cast<std::size_t>(j));
+        image.pixels.data() + 3 * columns * static_cast<std::size_t>(j));
   });
-  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::lat_long(width, height), picture.pixels);
-  return picture;
+  if (options.sun_disc) add_disc(view, sun, image::TexelGrid::lat_long(width, height), image.pixels);
+  return image;
 }
 
 }  // namespace welkin
@@ -160,7 +160,7 @@ constexpr double kLargestTurns = 1.0 / 32.0;
 
 double length(const glm::dvec3& v) { return std::sqrt(glm::dot(v, v)); }
 
-/// A rectangle of a picture, in texels.
+/// A rectangle of an image, in texels.
 struct Cell {
   double left, right, top, bottom;
 };

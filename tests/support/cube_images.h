@@ -1,4 +1,4 @@
-// Cubemaps as pictures of every layout, put together texel by texel from a drawing: nothing of the library's own idea
+// Cubemaps as images of every layout, put together texel by texel from a drawing: nothing of the library's own idea
 // of layouts is in it.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace welkin::test {
 
-struct CubePicture {
+struct CubeImage {
   int width = 0;
   int height = 0;
   std::vector<float> pixels;  ///< width x height x 3, row 0 on top
@@ -39,13 +39,13 @@ inline std::vector<float> unlike_texels(int size) {
 }
 
 /// `faces`: 6 x size x size x 3. What no face covers is filled with `blank`.
-inline CubePicture cube_picture(Layout layout, int size, std::span<const float> faces, float blank) {
+inline CubeImage cube_image(Layout layout, int size, std::span<const float> faces, float blank) {
   const std::vector<std::string> rows = drawing(layout);
-  CubePicture picture;
-  picture.width = size * static_cast<int>(rows.front().size());
-  picture.height = size * static_cast<int>(rows.size());
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
+  CubeImage image;
+  image.width = size * static_cast<int>(rows.front().size());
+  image.height = size * static_cast<int>(rows.size());
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
       const char mark = rows[static_cast<std::size_t>(y / size)][static_cast<std::size_t>(x / size)];
       const bool rotated = mark >= 'a';
       const int face = rotated ? mark - 'a' : mark - '0';
@@ -53,11 +53,11 @@ inline CubePicture cube_picture(Layout layout, int size, std::span<const float> 
       const int row = rotated ? size - 1 - y % size : y % size;
       for (int channel = 0; channel < 3; ++channel) {
         const int index = ((face * size + row) * size + column) * 3 + channel;
-        picture.pixels.push_back(mark == '.' ? blank : faces[static_cast<std::size_t>(index)]);
+        image.pixels.push_back(mark == '.' ? blank : faces[static_cast<std::size_t>(index)]);
       }
     }
   }
-  return picture;
+  return image;
 }
 
 }  // namespace welkin::test

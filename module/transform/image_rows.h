@@ -1,4 +1,4 @@
-// A picture as rows of packed RGB floats, which need not lie one after the other: most may be the caller's own.
+// An image as rows of packed RGB floats, which need not lie one after the other: most may be the caller's own.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 namespace welkin::transforms {
 
 /// A lat-long of rgb32f rows, the northernmost first.
-struct PictureRows {
-  PictureRows() = default;
-  /// Of a valid view of rgb32f pixels.
-  explicit PictureRows(const LatLongView& view) : width(view.width), height(view.height) {
+struct ImageRows {
+  ImageRows() = default;
+  /// `view`: valid, of rgb32f pixels.
+  explicit ImageRows(const LatLongView& view) : width(view.width), height(view.height) {
     for (int row = 0; row < height; ++row) rows.push_back(static_cast<const float*>(image::row_of(view, row)));
   }
 

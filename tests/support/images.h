@@ -1,4 +1,4 @@
-// Pictures that tests make, and the real ones where they are at hand.
+// Images that tests make, and the real ones where they are at hand.
 #pragma once
 
 #include "image/geometry.h"
@@ -11,22 +11,22 @@
 
 namespace welkin::test {
 
-inline const std::filesystem::path kPictures = std::filesystem::path(WELKIN_SHARED) / "hdr";
-inline const std::filesystem::path kVariants = kPictures / "variants";
+inline const std::filesystem::path kImages = std::filesystem::path(WELKIN_SHARED) / "hdr";
+inline const std::filesystem::path kVariants = kImages / "variants";
 
 /// Says so if they are not.
-inline bool shared_pictures_are_here() {
+inline bool shared_images_are_here() {
   if (std::filesystem::exists(kVariants / "truth_256x128.npy")) return true;
-  WARN("left out: the shared pictures are not at " << kPictures);
+  WARN("left out: the shared images are not at " << kImages);
   return false;
 }
 
-/// What REFERENCE_SH.csv of the shared pictures has of a kind, by file name: names and values, in its order. Its lines
+/// What REFERENCE_SH.csv of the shared images has of a kind, by file name: names and values, in its order. Its lines
 /// are file,kind,name,r,g,b,note; a kind with commas stands in quotes.
 inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> recorded_harmonics(
     const std::string& kind) {
   std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> found;
-  std::ifstream lines(kPictures / "REFERENCE_SH.csv");
+  std::ifstream lines(kImages / "REFERENCE_SH.csv");
   for (std::string line; std::getline(lines, line);) {
     if (line.find(kind) == std::string::npos) continue;
     const std::filesystem::path file = line.substr(0, line.find(','));
@@ -61,22 +61,22 @@ inline std::vector<float> read_npy(const std::filesystem::path& path) {
 }
 
 /// The mean, over all pixels, of the gradient of log2 luminance: stops a pixel. Blur lowers it.
-inline double sharpness(const LatLongView& picture) {
-  const auto* const pixels = static_cast<const float*>(picture.pixels);
+inline double sharpness(const LatLongView& image) {
+  const auto* const pixels = static_cast<const float*>(image.pixels);
   const auto stops = [&](int column, int row) {
-    const float* const rgb = pixels + (static_cast<std::ptrdiff_t>(row) * picture.width + column % picture.width) * 3;
+    const float* const rgb = pixels + (static_cast<std::ptrdiff_t>(row) * image.width + column % image.width) * 3;
     const double luminance = 0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
                              0.0722 * static_cast<double>(rgb[2]);
     return std::log2(std::max(luminance, 1e-6));
   };
   double sum = 0.0;
-  for (int row = 0; row + 1 < picture.height; ++row) {
-    for (int column = 0; column < picture.width; ++column) {
+  for (int row = 0; row + 1 < image.height; ++row) {
+    for (int column = 0; column < image.width; ++column) {
       const double here = stops(column, row);
       sum += std::hypot(stops(column + 1, row) - here, stops(column, row + 1) - here);
     }
   }
-  return sum / (static_cast<double>(picture.height - 1) * picture.width);
+  return sum / (static_cast<double>(image.height - 1) * image.width);
 }
 
 /// A lat-long whose texels hold the function at their centres.

@@ -216,7 +216,7 @@ TEST_CASE("data windows, line orders and the rows that are asked for change no p
 }
 
 // Promises: overscan is cut off and a crop is put back in its place where the display window has a layout's shape;
-// otherwise the data window is the picture.
+// otherwise the data window is the image.
 
 namespace {
 
@@ -238,17 +238,17 @@ ExrRecipe recipe_of(const Window& data, const Window& display) {
 
 // What is inside of both windows, on black.
 std::vector<float> framed(const std::vector<float>& stored, const Window& data, const Window& display) {
-  std::vector<float> picture;
+  std::vector<float> image;
   for (int y = display.top; y < display.top + display.height; ++y) {
     for (int x = display.left; x < display.left + display.width; ++x) {
       const bool inside = x >= data.left && x < data.left + data.width && y >= data.top && y < data.top + data.height;
       for (int i = 0; i < 3; ++i) {
-        picture.push_back(
-            inside ? stored[static_cast<std::size_t>(3 * ((y - data.top) * data.width + x - data.left) + i)] : 0.0F);
+        image.push_back(inside ? stored[static_cast<std::size_t>(3 * ((y - data.top) * data.width + x - data.left) + i)]
+                               : 0.0F);
       }
     }
   }
-  return picture;
+  return image;
 }
 
 bool says(const EnvironmentInfo& info, const std::string& words) {
@@ -300,7 +300,7 @@ TEST_CASE("overscan is cut off and crops are put back, in any rows", "[codec]") 
   }
 }
 
-TEST_CASE("the data window is the picture where the display window is no frame", "[codec]") {
+TEST_CASE("the data window is the image where the display window is no frame", "[codec]") {
   const TemporaryFile path("window.exr");
   const auto size_read = [&](const ExrRecipe& recipe, const ReadOptions& options = {}) {
     write_exr(path, recipe, some_pixels(recipe.width, recipe.height));

@@ -18,12 +18,12 @@ namespace {
   throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
 }
 
-// Which rectangle of an OpenEXR file is the picture.
+// Which rectangle of an OpenEXR file is the image.
 
-/// The picture's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
-/// inclusive. Texels of the picture that are not stored are black.
+/// The image's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
+/// inclusive. Texels of the image that are not stored are black.
 struct Windows {
-  Imath::Box2i picture;
+  Imath::Box2i image;
   Imath::Box2i data;
 };
 
@@ -57,7 +57,7 @@ std::optional<Layout> layout_of_shape(const Extent& size) {
   return std::nullopt;
 }
 
-bool display_window_is_picture(const Imath::Box2i& data, const Imath::Box2i& display, Layout asked_for) {
+bool display_window_is_image(const Imath::Box2i& data, const Imath::Box2i& display, Layout asked_for) {
   const Extent data_size = extent(data);
   const Extent display_size = extent(display);
   const std::optional<Layout> shape = display_size.is_empty() ? std::nullopt : layout_of_shape(display_size);
@@ -97,8 +97,8 @@ void note_windows(EnvironmentInfo& info, const Extent& data, const Extent& displ
   }
 }
 
-/// The picture is the data window, wherever it lies, unless the file says that it is a frame around or inside of it:
-/// the display window is the picture if
+/// The image is the data window, wherever it lies, unless the file says that it is a frame around or inside of it:
+/// the display window is the image if
 /// - the header has no envmap attribute, which makes the data window the map (ImfEnvmap.h), and no mip chain, which
 ///   belongs to the data window,
 /// - the windows differ in size and overlap,
@@ -106,7 +106,7 @@ void note_windows(EnvironmentInfo& info, const Extent& data, const Extent& displ
 /// - the data window has not the shape of another layout, if none is asked for.
 /// So overscan is cut off and a cropped render is put back in its place; either is said in `info.notes`.
 ///
-/// Both windows are then at most kMaximumWidth x kMaximumHeight, and of a picture above 16384 x 8192 texels at least
+/// Both windows are then at most kMaximumWidth x kMaximumHeight, and of an image above 16384 x 8192 texels at least
 /// a 64th is stored, so that a few bytes cannot make hours of work.
 /// Throws `Error`: corrupt_file for an empty data window, unsupported_file for what is too large.
 Windows choose_windows(EnvironmentInfo& info, const Imf::Header& header, bool has_levels, Layout asked_for) {
@@ -123,7 +123,7 @@ Windows choose_windows(EnvironmentInfo& info, const Imf::Header& header, bool ha
   if (same_size || Imf::hasEnvmap(header) || has_levels) {
     return {data, data};
   }
-  if (!display_window_is_picture(data, display, asked_for)) {
+  if (!display_window_is_image(data, display, asked_for)) {
     info.notes.push_back("the data window of " + text(data_size) +
                          " is the image; the display window has another size and is ignored");
     return {data, data};
@@ -145,50 +145,50 @@ bool has_levels(const ExrPart& part) {
   return tiles != nullptr && tiles->mode != Imf::ONE_LEVEL;
 }
 
-void name_compression(ExrPicture& picture, const Imf::Header& header) {
+void name_compression(ExrImage& image, const Imf::Header& header) {
   const char* name = compression_name(header.compression());
   if (name == nullptr) {
-    refuse(picture.info, "has an unknown compression (method " +
-                             std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
+    refuse(image.info, "has an unknown compression (method " + std::to_string(static_cast<int>(header.compression())) +
+                           "); save it as zip or piz");
   }
-  picture.info.compression = name;
+  image.info.compression = name;
 }
 
-void place_windows(ExrPicture& picture, const ExrPart& part, Layout asked_for) {
-  const auto [whole, data] = choose_windows(picture.info, part.header, has_levels(part), asked_for);
-  picture.info.width = whole.max.x - whole.min.x + 1;
-  picture.info.height = whole.max.y - whole.min.y + 1;
-  picture.first_column = data.min.x;
-  picture.first_row = data.min.y;
-  picture.data_width = data.max.x - data.min.x + 1;
-  picture.data_height = data.max.y - data.min.y + 1;
-  picture.column_offset = whole.min.x - data.min.x;
-  picture.row_offset = whole.min.y - data.min.y;
+void place_windows(ExrImage& image, const ExrPart& part, Layout asked_for) {
+  const auto [whole, data] = choose_windows(image.info, part.header, has_levels(part), asked_for);
+  image.info.width = whole.max.x - whole.min.x + 1;
+  image.info.height = whole.max.y - whole.min.y + 1;
+  image.first_column = data.min.x;
+  image.first_row = data.min.y;
+  image.data_width = data.max.x - data.min.x + 1;
+  image.data_height = data.max.y - data.min.y + 1;
+  image.column_offset = whole.min.x - data.min.x;
+  image.row_offset = whole.min.y - data.min.y;
 }
 
-void decide_exr_layout(ExrPicture& picture, const Imf::Header& header, Layout asked_for) {
+void decide_exr_layout(ExrImage& image, const Imf::Header& header, Layout asked_for) {
   std::optional<Layout> stated;
   if (Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_LATLONG) {
     stated = Layout::lat_long;
   } else if (Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE) {
     stated = Layout::vertical_strip;
   }
-  decide_layout(picture.info, asked_for, stated);
-  picture.cube_frames = picture.info.layout == Layout::vertical_strip && stated == Layout::vertical_strip;
+  decide_layout(image.info, asked_for, stated);
+  image.cube_frames = image.info.layout == Layout::vertical_strip && stated == Layout::vertical_strip;
 }
 
 // A smaller level has the layout of the full size, and must still have its shape: a strip of faces of less than a
 // texel is none.
-void choose_level(ExrPicture& picture, const ExrPart& part, int level) {
-  EnvironmentInfo& info = picture.info;
+void choose_level(ExrImage& image, const ExrPart& part, int level) {
+  EnvironmentInfo& info = image.info;
   info.levels = part.tiled ? level_sizes(part.header.tileDescription(), info.width, info.height)
                            : std::vector<LevelInfo>{{info.width, info.height}};
   require_level(info, static_cast<int>(info.levels.size()), level);
   if (level > 0) {
-    picture.level = level;
+    image.level = level;
     const LevelInfo& size = info.levels[static_cast<std::size_t>(level)];
-    picture.data_width = info.width = size.width;
-    picture.data_height = info.height = size.height;
+    image.data_width = info.width = size.width;
+    image.data_height = info.height = size.height;
     const std::string reason = info.layout_reason;
     decide_layout(info, info.layout, std::nullopt);
     info.layout_reason = reason;
@@ -211,26 +211,26 @@ std::string describe_tiles(const Imf::TileDescription& tiles) {
   return kind + std::to_string(tiles.xSize) + " x " + std::to_string(tiles.ySize);
 }
 
-void measure_units(ExrPicture& picture, const Imf::Header& header) {
+void measure_units(ExrImage& image, const Imf::Header& header) {
   const std::uint64_t texel = bytes_per_texel(header.channels());
-  const auto height = static_cast<std::uint64_t>(picture.data_height);
-  if (picture.tiled) {
+  const auto height = static_cast<std::uint64_t>(image.data_height);
+  if (image.tiled) {
     const Imf::TileDescription& tiles = header.tileDescription();
-    picture.info.storage = describe_tiles(tiles);
-    picture.unit_rows = static_cast<int>(std::min<std::uint64_t>(tiles.ySize, height));
+    image.info.storage = describe_tiles(tiles);
+    image.unit_rows = static_cast<int>(std::min<std::uint64_t>(tiles.ySize, height));
     // Neither factor is above 2^31, and the last one only divides: no product overflows.
     const std::uint64_t area = std::uint64_t{tiles.xSize} * tiles.ySize;
-    picture.unit_bytes = area > kMaximumUnitBytes ? area : area * texel;
+    image.unit_bytes = area > kMaximumUnitBytes ? area : area * texel;
   } else {
     const auto scanlines = static_cast<std::uint64_t>(scanlines_per_block(header.compression()));
-    picture.info.storage = "scanline";
-    picture.unit_rows = static_cast<int>(std::min(scanlines, height));
-    picture.unit_bytes = texel * static_cast<std::uint64_t>(picture.data_width) * scanlines;
+    image.info.storage = "scanline";
+    image.unit_rows = static_cast<int>(std::min(scanlines, height));
+    image.unit_bytes = texel * static_cast<std::uint64_t>(image.data_width) * scanlines;
   }
-  if (picture.unit_bytes > kMaximumUnitBytes) {
-    throw platform::file_error(ErrorCode::limit_exceeded, picture.info.path,
-                               "one block of it (" + picture.info.storage + ") takes " +
-                                   std::to_string(picture.unit_bytes >> 20U) + " MiB, above the " +
+  if (image.unit_bytes > kMaximumUnitBytes) {
+    throw platform::file_error(ErrorCode::limit_exceeded, image.info.path,
+                               "one block of it (" + image.info.storage + ") takes " +
+                                   std::to_string(image.unit_bytes >> 20U) + " MiB, above the " +
                                    std::to_string(kMaximumUnitBytes >> 20U) +
                                    " that are decoded at once; save it with smaller tiles or fewer channels");
   }
@@ -305,7 +305,7 @@ std::vector<std::string> layer_names(const Imf::ChannelList& channels) {
   return names;
 }
 
-std::optional<ExrChannels> picture_in(const Imf::ChannelList& channels, const std::string& layer) {
+std::optional<ExrChannels> image_in(const Imf::ChannelList& channels, const std::string& layer) {
   const std::string prefix = layer.empty() ? "" : layer + ".";
   const auto has = [&](const char* name) { return channels.findChannel(prefix + name) != nullptr; };
   for (const auto& [red, green, blue] : kSpellings) {
@@ -322,11 +322,11 @@ std::optional<ExrChannels> picture_in(const Imf::ChannelList& channels, const st
   return ExrChannels{Kind::luminance, {prefix + "Y", "", ""}};
 }
 
-std::vector<Layer> find_pictures(const Imf::ChannelList& channels) {
+std::vector<Layer> find_images(const Imf::ChannelList& channels) {
   std::vector<Layer> found;
   for (const std::string& name : layer_names(channels)) {
-    if (const std::optional<ExrChannels> picture = picture_in(channels, name)) {
-      found.push_back({name, *picture});
+    if (const std::optional<ExrChannels> image = image_in(channels, name)) {
+      found.push_back({name, *image});
     }
   }
   return found;
@@ -395,7 +395,7 @@ ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& c
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
     info.channels.push_back({platform::printable(channel.name()), type_of(channel.channel().type)});
   }
-  const std::vector<Layer> layers = find_pictures(channels);
+  const std::vector<Layer> layers = find_images(channels);
   for (const Layer& found : layers) {
     if (!found.name.empty()) {
       info.layers.push_back(platform::printable(found.name));
@@ -408,36 +408,36 @@ ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& c
 
 }  // namespace
 
-bool holds_picture(const Imf::ChannelList& channels, const std::string& layer, bool in_colour) {
-  const std::vector<Layer> layers = find_pictures(channels);
+bool holds_image(const Imf::ChannelList& channels, const std::string& layer, bool in_colour) {
+  const std::vector<Layer> layers = find_images(channels);
   return std::any_of(layers.begin(), layers.end(), [&](const Layer& found) {
     return (layer.empty() || found.name == layer || platform::printable(found.name) == layer) &&
            (!in_colour || found.channels.kind != Kind::luminance);
   });
 }
 
-ExrPicture inspect_exr(platform::ByteFile& file, const ReadOptions& options) {
+ExrImage inspect_exr(platform::ByteFile& file, const ReadOptions& options) {
   return call_openexr(file.path(), [&] {
     const ExrParts parts = read_exr_parts(file);
-    ExrPicture picture;
-    picture.info.path = file.path();
-    picture.info.format = FileFormat::openexr;
-    picture.input = input_of(file);
-    name_parts(picture.info, parts);
+    ExrImage image;
+    image.info.path = file.path();
+    image.info.format = FileFormat::openexr;
+    image.input = input_of(file);
+    name_parts(image.info, parts);
     const std::size_t index = choose_exr_part(parts, file.path(), options.part, options.layer);
     const ExrPart& part = parts.parts[index];
-    picture.part = static_cast<int>(index);
-    picture.tiled = part.tiled;
-    name_compression(picture, part.header);
-    place_windows(picture, part, options.layout);
-    picture.table_bytes = bytes_of_headers(parts) + check_exr_tables(parts, file);
-    picture.channels = choose_exr_channels(picture.info, part.header.channels(), options.layer);
-    decide_exr_layout(picture, part.header, options.layout);
-    choose_level(picture, part, options.level);
-    measure_units(picture, part.header);
-    picture.prefiltered = has_roughness(part.header);
-    picture.to_rec709 = exr_colour_matrix(picture.info, part.header, picture.channels.kind, options.primaries);
-    return picture;
+    image.part = static_cast<int>(index);
+    image.tiled = part.tiled;
+    name_compression(image, part.header);
+    place_windows(image, part, options.layout);
+    image.table_bytes = bytes_of_headers(parts) + check_exr_tables(parts, file);
+    image.channels = choose_exr_channels(image.info, part.header.channels(), options.layer);
+    decide_exr_layout(image, part.header, options.layout);
+    choose_level(image, part, options.level);
+    measure_units(image, part.header);
+    image.prefiltered = has_roughness(part.header);
+    image.to_rec709 = exr_colour_matrix(image.info, part.header, image.channels.kind, options.primaries);
+    return image;
   });
 }
 

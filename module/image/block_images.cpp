@@ -1,4 +1,4 @@
-#include "image/block_pictures.h"
+#include "image/block_images.h"
 
 #include <algorithm>
 #include <array>
@@ -65,22 +65,22 @@ constexpr double kShareOfEncoding = 0.98;  ///< the rest is for keeping means
 /// Blocks of one level that are encoded together.
 struct Tile {
   std::size_t level;
-  int first_block;  ///< counted over all pictures
+  int first_block;  ///< counted over all images
   int blocks;
 };
 
 struct BlockPosition {
-  int picture, row, column;  ///< the first texel's
+  int image, row, column;  ///< the first texel's
 };
 
-/// `block`: counted over pictures of one size.
-BlockPosition position_of(const LatLongView& picture, int block) noexcept {
-  const int across = blocks_across(picture.width);
-  const int down = blocks_across(picture.height);
+/// `block`: counted over images of one size.
+BlockPosition position_of(const LatLongView& image, int block) noexcept {
+  const int across = blocks_across(image.width);
+  const int down = blocks_across(image.height);
   return {block / (across * down), block / across % down * kBlockEdge, block % across * kBlockEdge};
 }
 
-/// Four texels of a picture's row from `column` on; those beyond its edge repeat the last one.
+/// Four texels of an image's row from `column` on; those beyond its edge repeat the last one.
 void read_block_row(const LatLongView& view, int row, int column, float* rgb) noexcept {
   const int columns = std::min(kBlockEdge, view.width - column);
   const auto texel = static_cast<std::ptrdiff_t>(bytes_per_texel(view.format));
@@ -110,15 +110,15 @@ struct TileResult {
 class TileEncoder {
  public:
   /// `blocks`, `lights`: of the level.
-  TileEncoder(const std::vector<LatLongView>& pictures, const Tile& tile, const BlockFormat& format, Scratch& scratch,
+  TileEncoder(const std::vector<LatLongView>& images, const Tile& tile, const BlockFormat& format, Scratch& scratch,
               std::uint8_t* blocks, BlockLight* lights)
-      : pictures_(pictures),
+      : images_(images),
         tile_(tile),
         format_(format),
         scratch_(scratch),
         kernels_(bc6h_kernels()),
-        width_(pictures.front().width),
-        height_(pictures.front().height),
+        width_(images.front().width),
+        height_(images.front().height),
         blocks_(blocks),
         lights_(lights) {}
 
@@ -133,7 +133,7 @@ class TileEncoder {
 
  private:
   [[nodiscard]] BlockPosition place_of(int block) const {
-    return position_of(pictures_.front(), tile_.first_block + block);
+    return position_of(images_.front(), tile_.first_block + block);
   }
 
   [[nodiscard]] bool reaches_beyond(const BlockPosition& position) const {
@@ -144,9 +144,9 @@ class TileEncoder {
     return blocks_ + kBlockBytes * static_cast<std::size_t>(tile_.first_block + block);
   }
 
-  /// Rows of a lane's block: in the picture where it has floats, else copied.
+  /// Rows of a lane's block: in the image where it has floats, else copied.
   void set_rows(const BlockPosition& position, std::size_t lane) {
-    const LatLongView& view = pictures_[static_cast<std::size_t>(position.picture)];
+    const LatLongView& view = images_[static_cast<std::size_t>(position.image)];
     const bool in_place = !reaches_beyond(position) && view.format == PixelFormat::rgb32f;
     for (int row = 0; row < kBlockEdge; ++row) {
       const int line = std::min(position.row + row, height_ - 1);
@@ -161,7 +161,7 @@ class TileEncoder {
     }
   }
 
-  /// Texels of a block that lie in the picture.
+  /// Texels of a block that lie in the image.
   template <class Visit>
   void for_each_inner(const BlockPosition& position, const Visit& visit) const {
     for (int row = 0; row < std::min(kBlockEdge, height_ - position.row); ++row) {
@@ -242,7 +242,7 @@ class TileEncoder {
     for (std::size_t k = 0; k < std::size(group.weights); ++k) scratch_.hard.weights[k][lane] = group.weights[k][from];
   }
 
-  const std::vector<LatLongView>& pictures_;
+  const std::vector<LatLongView>& images_;
   const Tile& tile_;
   const BlockFormat& format_;
   Scratch& scratch_;
@@ -254,8 +254,8 @@ class TileEncoder {
   TileResult result_;
 };
 
-std::size_t blocks_of(const std::vector<LatLongView>& pictures) {
-  return pictures.size() * block_bytes(pictures.front().width, pictures.front().height) / kBlockBytes;
+std::size_t blocks_of(const std::vector<LatLongView>& images) {
+  return images.size() * block_bytes(images.front().width, images.front().height) / kBlockBytes;
 }
 
 std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels) {
@@ -271,14 +271,14 @@ std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels) {
 
 }  // namespace
 
-EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
-                              const Control& control) {
+EncodedLevels encode_images(std::span<const std::vector<LatLongView>> levels, const BlockFormat& format,
+                            const Control& control) {
   if (format.effort < Bc6hEffort::fast || format.effort > Bc6hEffort::slow) {
     throw Error(ErrorCode::invalid_argument, "the effort for blocks is not one of the enumerators; pass one of them");
   }
   EncodedLevels encoded;
-  for (const std::vector<LatLongView>& pictures : levels) {
-    const std::size_t blocks = blocks_of(pictures);
+  for (const std::vector<LatLongView>& images : levels) {
+    const std::size_t blocks = blocks_of(images);
     encoded.levels.push_back({std::vector<std::uint8_t>(blocks * kBlockBytes), std::vector<BlockLight>(blocks), 0.0});
   }
   const std::vector<Tile> tiles = tiles_of(levels);
@@ -303,9 +303,9 @@ EncodedLevels encode_pictures(std::span<const std::vector<LatLongView>> levels, 
   return encoded;
 }
 
-BlockTexels block_texels(const std::vector<LatLongView>& pictures, std::size_t block, float least) noexcept {
-  const auto [picture, top, left] = position_of(pictures.front(), static_cast<int>(block));
-  const LatLongView& view = pictures[static_cast<std::size_t>(picture)];
+BlockTexels block_texels(const std::vector<LatLongView>& images, std::size_t block, float least) noexcept {
+  const auto [image, top, left] = position_of(images.front(), static_cast<int>(block));
+  const LatLongView& view = images[static_cast<std::size_t>(image)];
   BlockTexels texels;
   for (int row = 0; row < kBlockEdge; ++row) {
     read_block_row(view, std::min(top + row, view.height - 1), left, texels.values.data() + std::ptrdiff_t{12} * row);
@@ -327,21 +327,21 @@ void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept {
   }
 }
 
-std::vector<LatLongView> pictures_of(const CubemapView& view) {
-  std::vector<LatLongView> pictures;
-  pictures.reserve(view.faces.size());
+std::vector<LatLongView> images_of(const CubemapView& view) {
+  std::vector<LatLongView> images;
+  images.reserve(view.faces.size());
   for (const void* const face : view.faces) {
-    pictures.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
+    images.push_back({face, view.size, view.size, view.row_stride_bytes, view.format});
   }
-  return pictures;
+  return images;
 }
 
 std::size_t block_bytes(int width, int height) noexcept {
   return kBlockBytes * static_cast<std::size_t>(blocks_across(width)) * static_cast<std::size_t>(blocks_across(height));
 }
 
-std::int64_t texels_of(const std::vector<LatLongView>& pictures) noexcept {
-  return static_cast<std::int64_t>(pictures.size()) * pictures.front().width * pictures.front().height;
+std::int64_t texels_of(const std::vector<LatLongView>& images) noexcept {
+  return static_cast<std::int64_t>(images.size()) * images.front().width * images.front().height;
 }
 
 }  // namespace welkin::image
