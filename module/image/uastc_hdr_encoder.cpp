@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
@@ -35,11 +36,7 @@ class Lines {
   [[nodiscard]] float error(std::size_t lane) const noexcept { return found_.errors[lane]; }
 
   void pack(std::size_t lane, std::uint8_t* block) const noexcept {
-    if (partitions_ == nullptr) {
-      pack_uastc_single(stored_[0][lane], indices(lane), block);
-    } else {
-      pack_uastc_pair({stored_[0][lane], stored_[1][lane]}, partition(lane), indices(lane), block);
-    }
+    pack_uastc_lines(std::span(stored_[lane]).first(lines()), partition(lane), indices(lane), block);
   }
 
   /// As ASTC's decoder has them, with 16 bits between the ends.
@@ -51,7 +48,7 @@ class Lines {
       const auto index = static_cast<std::size_t>(found_.indices[k][lane]);
       const std::int32_t weight = partitions_ == nullptr ? single[index] : pair[index];
       const bool second = partitions_ != nullptr && (bc6h_second_line(partition(lane)) >> k & 1) != 0;
-      const auto& [low, high] = stored_[second ? 1 : 0][lane].ends;
+      const auto& [low, high] = stored_[lane][second ? 1 : 0].ends;
       for (std::size_t c = 0; c < 3; ++c) {
         result[3 * k + c] = half_of_logarithm((low[c] * 16 * (64 - weight) + high[c] * 16 * weight + 32) >> 6);
       }
@@ -60,7 +57,10 @@ class Lines {
   }
 
  private:
-  [[nodiscard]] int partition(std::size_t lane) const noexcept { return static_cast<int>(partitions_[lane]); }
+  [[nodiscard]] std::size_t lines() const noexcept { return partitions_ == nullptr ? 1 : 2; }
+  [[nodiscard]] int partition(std::size_t lane) const noexcept {
+    return partitions_ == nullptr ? 0 : static_cast<int>(partitions_[lane]);
+  }
 
   [[nodiscard]] std::array<std::uint8_t, kBlockTexels> indices(std::size_t lane) const noexcept {
     std::array<std::uint8_t, kBlockTexels> result{};
@@ -71,11 +71,11 @@ class Lines {
   /// Stores the fitted ends, and what they mean as logarithms.
   void store() noexcept {
     const UastcLines kind = partitions_ == nullptr ? UastcLines::single : UastcLines::pair;
-    for (std::size_t line = 0; line < (partitions_ == nullptr ? 1 : 2); ++line) {
+    for (std::size_t line = 0; line < lines(); ++line) {
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         std::array<std::array<float, 3>, 2> ends{};
         for (std::size_t k = 0; k < 6; ++k) ends[k / 3][k % 3] = fitted_.ends[line][k / 3][k % 3][lane] / 16.0F;
-        const UastcLine& here = stored_[line][lane] = store_uastc_line(ends, kind);
+        const UastcLine& here = stored_[lane][line] = store_uastc_line(ends, kind);
         for (std::size_t k = 0; k < 6; ++k) {
           meant_.ends[line][k / 3][k % 3][lane] = static_cast<float>(here.ends[k / 3][k % 3] * 16);
         }
@@ -87,7 +87,7 @@ class Lines {
   int turns_ = 0;
   BlockLines fitted_;
   BlockLines meant_;
-  std::array<std::array<UastcLine, kLanes>, 2> stored_;
+  std::array<std::array<UastcLine, 2>, kLanes> stored_;
   BlockIndices found_;
 };
 
