@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -226,16 +227,8 @@ class SoftCells {
 
 class TileWeights;
 
-/// Who gets the weights.
-class RunSink {
- public:
-  RunSink() = default;
-  virtual ~RunSink() = default;
-  RunSink(const RunSink&) = delete;
-  RunSink& operator=(const RunSink&) = delete;
-
-  virtual void take(const WeighedRun& run) = 0;
-};
+/// Who gets the weights. (A reference to what takes them, which allocates nothing.)
+using RunSink = std::function<void(const WeighedRun&)>;
 
 /// One worker's room for the weights of a run of tiles.
 class TileScratch {
@@ -273,7 +266,7 @@ class TileWeights {
 
   /// Hands out the weights of a line of tiles, counted from +Y on side faces and from the pole, run after run. Lines
   /// next to each other take less if one scratch has them in rising order.
-  void weigh(TileKind kind, int row, TileScratch& scratch, RunSink& sink) const;
+  void weigh(TileKind kind, int row, TileScratch& scratch, const RunSink& sink) const;
 
   /// What all lines of a side face but the first have in common, for the images of a rest.
   struct SideColumns {
@@ -294,10 +287,10 @@ class TileWeights {
   [[nodiscard]] SoftCells soft_columns(double offset) const;
   [[nodiscard]] SideColumns columns_of_sides(const SoftCells& columns) const;
 
-  void weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const;
-  void weigh_border(TileScratch& scratch, RunSink& sink) const;
-  void weigh_polar(int row, TileScratch& scratch, RunSink& sink) const;
-  void weigh_pole(TileScratch& scratch, RunSink& sink) const;
+  void weigh_rectangles(int row, TileScratch& scratch, const RunSink& sink) const;
+  void weigh_border(TileScratch& scratch, const RunSink& sink) const;
+  void weigh_polar(int row, TileScratch& scratch, const RunSink& sink) const;
+  void weigh_pole(TileScratch& scratch, const RunSink& sink) const;
 
   /// What patches of a stretch of tiles need at most: rows, and groups of four columns.
   struct PatchSize {
@@ -311,7 +304,7 @@ class TileWeights {
   [[nodiscard]] int tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept;
 
   template <class Sides>
-  void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
+  void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, const RunSink& sink) const;
 
   CubeTiling tiling_;
   int width_;
@@ -355,9 +348,9 @@ class TileWeightTable {
   [[nodiscard]] bool complete() const noexcept;
 
   /// Weighs a line, hands it out and keeps it. Of different lines in different threads at once.
-  void fill(bool polar, int row, TileScratch& scratch, RunSink& sink);
+  void fill(bool polar, int row, TileScratch& scratch, const RunSink& sink);
   /// Hands out a line, which is weighed only if it is not kept. `scratch`: may be null if the table is complete.
-  void read(bool polar, int row, TileScratch* scratch, RunSink& sink) const;
+  void read(bool polar, int row, TileScratch* scratch, const RunSink& sink) const;
 
  private:
   /// Where the weights of a line are, for each of the rests that images have.
@@ -377,7 +370,6 @@ class TileWeightTable {
     int groups = 0;
     std::size_t float_offset = 0;  ///< within the line's rest
   };
-  class Filler;
 
   [[nodiscard]] std::size_t floats_for(TileKind kind, int row) const noexcept;
   [[nodiscard]] std::size_t line_index(bool polar, int row) const noexcept {
