@@ -109,13 +109,11 @@ NightLight::NightLight(const SkyTables& tables, double altitude_m) {
 
 glm::dvec3 NightLight::radiance(double zenith_cosine) const noexcept {
   if (nodes_.empty()) return glm::dvec3(0.0);
-  const double position = std::clamp((zenith_cosine - lowest_) / (1.0 - lowest_), 0.0, 1.0) * (kNightNodes - 1);
-  const int node = std::min(static_cast<int>(position), kNightNodes - 2);
-  const float* const low = nodes_.data() + std::ptrdiff_t{4} * node;
+  const Between place = between((zenith_cosine - lowest_) / (1.0 - lowest_) * (kNightNodes - 1), kNightNodes);
+  const float* const low = nodes_.data() + 4 * place.node;
   glm::dvec3 rgb;
   for (int c = 0; c < 3; ++c) {
-    rgb[c] = static_cast<double>(low[c]) +
-             (position - node) * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
+    rgb[c] = static_cast<double>(low[c]) + place.part * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
   }
   return rgb;
 }

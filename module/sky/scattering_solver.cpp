@@ -202,10 +202,9 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
 double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexcept {
   // 1 - cosine^2 as a product keeps its digits next to the vertical.
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
-  const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
-  const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
+  const auto [node, part] = between(2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1), kPhaseNodes);
   const double* const phase = aerosol_phase_.data() + lobe * kPhaseNodes;
-  return phase[node] + (position - static_cast<double>(node)) * (phase[node + 1] - phase[node]);
+  return phase[node] + part * (phase[node + 1] - phase[node]);
 }
 
 std::size_t SourceSolver::radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept {

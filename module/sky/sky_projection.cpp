@@ -505,13 +505,13 @@ namespace {
 
 /// The aureole's factors at a cosine between view and sun.
 glm::dvec3 aureole_at(const float* aureole, double nu) {
-  const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - nu), 0.0, 1.0))) * (kAureoleAngles - 1);
-  const int node = std::min(static_cast<int>(position), kAureoleAngles - 2);
+  const double root = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - nu), 0.0, 1.0)));
+  const Between angle = between(root * (kAureoleAngles - 1), kAureoleAngles);
+  const float* const factors_below = aureole + kSkyColour * angle.node;
   glm::dvec3 factors;
   for (int c = 0; c < 3; ++c) {
-    const auto low = static_cast<double>(aureole[node * kSkyColour + c]);
-    const auto high = static_cast<double>(aureole[(node + 1) * kSkyColour + c]);
-    factors[c] = low + (position - node) * (high - low);
+    const auto low = static_cast<double>(factors_below[c]);
+    factors[c] = low + angle.part * (static_cast<double>(factors_below[kSkyColour + c]) - low);
   }
   return factors;
 }
