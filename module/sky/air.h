@@ -54,7 +54,7 @@ class AirModel {
 
   /// Scattering and absorption of a constituent at a wavelength, 1/m where its density is 1.
   [[nodiscard]] double extinction(std::size_t constituent, std::size_t wavelength) const noexcept;
-  /// Of all constituents.
+  /// Returns that of all constituents.
   [[nodiscard]] PerConstituent extinctions(std::size_t wavelength) const noexcept;
   [[nodiscard]] double scattering(std::size_t constituent, std::size_t wavelength) const noexcept;
   [[nodiscard]] double albedo(std::size_t wavelength) const noexcept;

@@ -212,7 +212,7 @@ class Coverage {
                      : image::face_direction(columns_, face_, column, row);
   }
 
-  /// Of a face no cell is: they are convex, and their corners are what is farthest out.
+  /// Cells of a face are not: they are convex, and their corners are what is farthest out.
   [[nodiscard]] bool large(const Cell& cell) const {
     return lat_long_ &&
            (cell.right - cell.left > kLargestTurns * columns_ || cell.bottom - cell.top > 2.0 * kLargestTurns * rows_);

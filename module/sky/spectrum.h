@@ -23,7 +23,7 @@ void check_wavelengths(const std::vector<double>& wavelengths_nm);
 
 // The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.
 
-/// What each wavelength adds to the channels: `srgb_weights`, or, of `spectral` skies, 1 to its own channel.
+/// Returns weights of the wavelengths in the channels: `srgb_weights`, or, of `spectral` skies, 1 in each one's own.
 [[nodiscard]] std::vector<glm::dvec3> channel_weights(const Atmosphere& atmosphere, SkyColour colour);
 
 /// Weights of the wavelengths in the three channels.
