@@ -1,4 +1,4 @@
-// What the texels of a lat-long and those of a cube have in common, by area: tiles, shares and weights.
+// Area that the texels of a lat-long and those of a cube have in common: tiles, shares and weights.
 #pragma once
 
 #include <algorithm>
