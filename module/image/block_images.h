@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -18,11 +19,7 @@ namespace welkin::image {
 
 /// Puts a block into its lane.
 inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_t* block, float error) noexcept {
-  for (std::size_t k = 0; k < 4; ++k, block += 4) {
-    std::uint32_t word = 0;
-    for (std::size_t byte = 4; byte-- > 0;) word = word << 8U | block[byte];
-    blocks.words[k][lane] = static_cast<std::int32_t>(word);
-  }
+  for (std::size_t k = 0; k < 4; ++k) std::memcpy(&blocks.words[k][lane], block + 4 * k, 4);
   blocks.errors[lane] = error;
 }
 
@@ -30,9 +27,7 @@ inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_
 [[nodiscard]] inline std::array<std::uint8_t, kBlockBytes> block_of(const EncodedBlocks& blocks,
                                                                     std::size_t lane) noexcept {
   std::array<std::uint8_t, kBlockBytes> block{};
-  for (std::size_t k = 0; k < kBlockBytes; ++k) {
-    block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(blocks.words[k / 4][lane]) >> (8 * (k % 4)));
-  }
+  for (std::size_t k = 0; k < 4; ++k) std::memcpy(block.data() + 4 * k, &blocks.words[k][lane], 4);
   return block;
 }
 
