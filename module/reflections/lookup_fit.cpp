@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "math/table_cache.h"
@@ -13,7 +14,7 @@
 namespace welkin::reflections {
 namespace {
 
-constexpr int kDegrees = 512;    ///< of the image at most
+constexpr int kDegrees = 512;    ///< of the image, however few texels the chain has: they alias what is finer
 constexpr int kFitSamples = 8;   ///< roughnesses between two mips
 constexpr int kSteps = 10;       ///< of Gauss-Newton; the last ones change a roughness by less than 1e-6
 constexpr double kSlope = 0.01;  ///< of a roughness, by which its spectrum's slope is found
@@ -47,10 +48,12 @@ struct Wanted {
 /// The squared error of all lookups as a function of the mips' lobes: Gauss-Newton, whose equations are tridiagonal, as
 /// a lookup reads two mips.
 ///
-/// With g_k(l) what mip k shows of degree l, e_l = t_l - (1 - f) g_k - f g_(k+1) is what a lookup misses, and its
-/// squared error Sum_l S_l e_l^2. To first order in steps d of the lobes' roughness, with slopes g', it is least where
-/// for each mip
-///   Sum over its lookups of weight share (Sum_l S_l g' (e - share g' d - other share other g' other d)) = 0:
+/// With g_k(l) what mip k shows of degree l, e_l = t_l - (1 - f) g_k - f g_(k+1) is what a lookup misses. Texels that
+/// are wide for a lobe also show a_k(l) of it in other degrees, so the squared error is
+///   Sum_l S_l (e_l^2 + ((1 - f) a_k)^2 + (f a_(k+1))^2).
+/// To first order in steps d of the lobes' roughness, with slopes g' and a', it is least where for each mip
+///   Sum over its lookups of weight share Sum_l S_l (g' (e - share g' d - other share other g' other d)
+///                                                   - share a' (a + a' d)) = 0:
 /// a row has the mip's own product of slopes (`diagonal`) and those with its two neighbours (`beside`).
 class Fit {
  public:
@@ -77,24 +80,36 @@ class Fit {
   }
 
  private:
-  /// Returns what a shader shows of each degree where it reads one mip.
-  [[nodiscard]] Spectrum shown(std::size_t mip, double roughness, int degrees) const {
-    Spectrum spectrum = spectrum_of(roughness, degrees);
-    for (std::size_t l = 0; l < spectrum.size(); ++l) spectrum[l] *= filters_[mip].gain[l];
-    return spectrum;
+  /// What a shader shows of each degree where it reads one mip.
+  struct Shown {
+    Spectrum here;
+    Spectrum slope;
+    double squares = 0.0;  ///< of slopes, both what is shown of the degree and in others
+    double aliases = 0.0;  ///< what is shown in others times its slope
+  };
+
+  [[nodiscard]] Shown shown(std::size_t mip) const {
+    const auto degrees = static_cast<int>(energies_.size());
+    const double step = lobes_[mip] * kSlope;
+    const Spectrum lobe = spectrum_of(lobes_[mip], degrees);
+    const Spectrum narrower = spectrum_of(lobes_[mip] - step, degrees);
+    Shown shown;
+    for (std::size_t l = 0; l < lobe.size(); ++l) {
+      const double gain = filters_[mip].gain[l];
+      const double noise = filters_[mip].noise[l];
+      const double slope = mip > 0 ? (lobe[l] - narrower[l]) / step : 0.0;
+      shown.here.push_back(lobe[l] * gain);
+      shown.slope.push_back(slope * gain);
+      shown.squares += energies_[l] * (gain * gain + noise) * slope * slope;
+      shown.aliases += energies_[l] * noise * lobe[l] * slope;
+    }
+    return shown;
   }
 
   void improve() {
     const std::size_t count = lobes_.size();
-    const auto degrees = static_cast<int>(energies_.size());
-    std::vector<Spectrum> here;
-    std::vector<Spectrum> slopes;
-    for (std::size_t k = 0; k < count; ++k) {
-      here.push_back(shown(k, lobes_[k], degrees));
-      slopes.push_back(shown(k, lobes_[k] * (1.0 - kSlope), degrees));
-      for (std::size_t l = 0; l < slopes.back().size() && k > 0; ++l)
-        slopes.back()[l] = (here.back()[l] - slopes.back()[l]) / (lobes_[k] * kSlope);
-    }
+    std::vector<Shown> mips;
+    for (std::size_t k = 0; k < count; ++k) mips.push_back(shown(k));
     std::vector<double> diagonal(count, 0.0);
     std::vector<double> beside(count, 0.0);  // between a mip and the next
     std::vector<double> right(count, 0.0);
@@ -102,23 +117,28 @@ class Fit {
       const std::size_t k = lookup.mip;
       const double first = 1.0 - lookup.share;
       Spectrum missing = lookup.truth;
-      for (std::size_t l = 0; l < missing.size(); ++l) missing[l] -= first * here[k][l] + lookup.share * here[k + 1][l];
-      diagonal[k] += lookup.weight * first * first * product(energies_, slopes[k], slopes[k]);
-      diagonal[k + 1] += lookup.weight * lookup.share * lookup.share * product(energies_, slopes[k + 1], slopes[k + 1]);
-      beside[k] += lookup.weight * first * lookup.share * product(energies_, slopes[k], slopes[k + 1]);
-      right[k] += lookup.weight * first * product(energies_, missing, slopes[k]);
-      right[k + 1] += lookup.weight * lookup.share * product(energies_, missing, slopes[k + 1]);
+      for (std::size_t l = 0; l < missing.size(); ++l)
+        missing[l] -= first * mips[k].here[l] + lookup.share * mips[k + 1].here[l];
+      for (const auto& [mip, share] : {std::pair{k, first}, std::pair{k + 1, lookup.share}}) {
+        diagonal[mip] += lookup.weight * share * share * mips[mip].squares;
+        right[mip] +=
+            lookup.weight * share * (product(energies_, missing, mips[mip].slope) - share * mips[mip].aliases);
+      }
+      beside[k] += lookup.weight * first * lookup.share * product(energies_, mips[k].slope, mips[k + 1].slope);
     }
     move(diagonal, beside, right);
   }
 
-  /// Solves the equations and moves the lobes. Mip 0, mips that no lookup reads, and lobes that would exceed roughness
-  /// 1 stay. A lobe that stays has the equation d = 0 and no neighbours; the others by elimination downwards and
-  /// substitution upwards, without pivots, as the matrix is positive definite (Gram's of the slopes).
+  /// Solves the equations and moves the lobes. Mip 0, mips that no lookup reads, lobes that would exceed roughness 1,
+  /// and those too narrow for the degrees that are looked at (the last one keeps e^-1 of its light) stay. A lobe that
+  /// stays has the equation d = 0 and no neighbours; the others by elimination downwards and substitution upwards,
+  /// without pivots, as the matrix is positive definite (Gram's of the slopes).
   void move(std::vector<double>& diagonal, std::vector<double>& beside, std::vector<double>& right) {
     const std::size_t count = lobes_.size();
+    const double narrowest =
+        std::sqrt(0.5 / static_cast<double>(energies_.size()));  // 2 alpha l = 1 at the last degree
     const auto stays = [&](std::size_t k) {
-      return k == 0 || !(diagonal[k] > 0.0) || (lobes_[k] >= 1.0 && right[k] >= 0.0);
+      return k == 0 || !(diagonal[k] > 0.0) || (lobes_[k] >= 1.0 && right[k] >= 0.0) || lobes_[k] < narrowest;
     };
     for (std::size_t k = 0; k < count; ++k) {
       if (!stays(k)) continue;
@@ -163,7 +183,7 @@ std::vector<double> fitted_mip_roughness(RoughnessSchedule schedule, int mips, i
   const platform::FloatingPointScope floating_point;
   const auto fit = [&] {
     const std::vector<double> nominal = mip_roughness(schedule, mips, size);
-    reflections::Fit lobes(nominal, {schedule, mips, size}, std::min(reflections::kDegrees, 2 * size));
+    reflections::Fit lobes(nominal, {schedule, mips, size}, reflections::kDegrees);
     return math::number_table(lobes.run());
   };
   static auto& fits = *new math::TableCache<reflections::FitKey, math::NumberTable>(1U << 14U);  // never destroyed

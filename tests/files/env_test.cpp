@@ -4,7 +4,9 @@
 #include "places.h"
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/images.h"
 #include "support/same_bits.h"
+#include "support/sun_maps.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "support/webp_env.h"
@@ -31,7 +33,9 @@ BabylonPolynomial some_polynomial() {
   return polynomial;
 }
 
-bool same_bits(const BabylonPolynomial& a, const BabylonPolynomial& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_polynomial(const BabylonPolynomial& a, const BabylonPolynomial& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 BabylonEnvironment some_environment(int size, int octaves = 6) {
   BabylonEnvironment environment;
@@ -40,10 +44,7 @@ BabylonEnvironment some_environment(int size, int octaves = 6) {
   return environment;
 }
 
-Cubemap some_irradiance(int size) {
-  const Cubemap chain = noisy_chain(size, 1, 3, 7);
-  return {size, {chain.face(0, 0), chain.face(0, 0) + 6 * face_values(chain, 0)}};
-}
+Cubemap some_irradiance(int size) { return noisy_chain(size, 1, 3, 7); }
 
 /// RGBD in double, by libm: readable, for comparison.
 std::array<double, 3> through_rgbd(const float* rgb) {
@@ -56,32 +57,6 @@ std::array<double, 3> through_rgbd(const float* rgb) {
     back[c] = std::pow(code / 255.0, 2.2) / d;
   }
   return back;
-}
-
-/// The frames of CubemapView, face by face: normal, where columns and where rows run along.
-constexpr std::array<std::array<glm::dvec3, 3>, 6> kFrames{{{{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}}},
-                                                            {{{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}}},
-                                                            {{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}},
-                                                            {{{0, -1, 0}, {1, 0, 0}, {0, 0, -1}}},
-                                                            {{{0, 0, 1}, {1, 0, 0}, {0, -1, 0}}},
-                                                            {{{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}}};
-
-glm::dvec3 texel_direction(int size, int face, int column, int row) {
-  const auto& frame = kFrames[static_cast<std::size_t>(face)];
-  return frame[0] + frame[1] * ((2.0 * column + 1.0) / size - 1.0) + frame[2] * ((2.0 * row + 1.0) / size - 1.0);
-}
-
-/// Face, column and row of the texel that a direction of length 1 along its largest axis meets.
-std::tuple<int, int, int> texel_at(int size, const glm::dvec3& direction) {
-  for (int face = 0; face < 6; ++face) {
-    const auto& frame = kFrames[static_cast<std::size_t>(face)];
-    if (glm::dot(direction, frame[0]) < 1.0 - 1e-12) continue;
-    const auto index = [&](const glm::dvec3& axis) {
-      return static_cast<int>((glm::dot(direction, axis) + 1.0) / 2.0 * size);
-    };
-    return {face, index(frame[1]), index(frame[2])};
-  }
-  return {0, 0, 0};
 }
 
 bool is_rgbd_of(const Cubemap& written, const Cubemap& read) {
@@ -111,17 +86,12 @@ TEST_CASE("an environment goes to Babylon.js's axes as an image does: x changes 
   const BabylonEnvironment rotated = to_babylon(chain, radiance, some_irradiance(3));
   for (int level = 0; level < 3; ++level) {
     const int size = chain.level_size(level);
-    for (int face = 0; face < 6; ++face) {
-      for (int row = 0; row < size; ++row) {
-        for (int column = 0; column < size; ++column) {
-          glm::dvec3 direction = texel_direction(size, face, column, row);
-          direction.x = -direction.x;
-          const auto [other_face, other_column, other_row] = texel_at(size, direction);
-          const float* from = chain.face(level, face) + 3 * (row * size + column);
-          const float* to = rotated.specular.face(level, other_face) + 3 * (other_row * size + other_column);
-          CHECK(std::equal(from, from + 3, to));
-        }
-      }
+    const std::vector<glm::dvec3> centres = texel_centres(size);
+    for (std::size_t texel = 0; texel < centres.size(); ++texel) {
+      const std::int64_t other =
+          nearest_texel(image::TexelGrid::cubemap(size), centres[texel] * glm::dvec3(-1.0, 1.0, 1.0));
+      const float* from = chain.face(level, 0) + 3 * texel;
+      CHECK(std::equal(from, from + 3, rotated.specular.face(level, 0) + 3 * other));
     }
   }
   CHECK(same_bits(mirrored_x(rotated.specular), chain));
@@ -184,7 +154,7 @@ TEST_CASE("an .env comes back as RGBD has it, whatever its size", "[codec][env][
     CHECK(read.irradiance.size() == 0);
     CHECK(!read.dominant_direction);
     REQUIRE(read.polynomial);
-    CHECK(same_bits(*read.polynomial, *environment.polynomial));
+    CHECK(same_polynomial(*read.polynomial, *environment.polynomial));
     CHECK(is_rgbd_of(environment.specular, read.specular));
   }
 }
@@ -200,11 +170,7 @@ TEST_CASE("an .env's irradiance texture and dominant direction come back", "[cod
     REQUIRE(read.irradiance.size() == size);
     REQUIRE(read.dominant_direction);
     CHECK(same_bits(*read.dominant_direction, *environment.dominant_direction));
-    Cubemap written(size, 1);
-    Cubemap found(size, 1);
-    std::copy(environment.irradiance.pixels().begin(), environment.irradiance.pixels().end(), written.face(0, 0));
-    std::copy(read.irradiance.pixels().begin(), read.irradiance.pixels().end(), found.face(0, 0));
-    CHECK(is_rgbd_of(written, found));
+    CHECK(is_rgbd_of(environment.irradiance, read.irradiance));
   }
 }
 
@@ -276,8 +242,7 @@ TEST_CASE("what an .env cannot hold is refused before anything is written", "[co
 
 namespace {
 
-const std::filesystem::path kShared = WELKIN_SHARED;
-const std::filesystem::path kOracle = kShared / "oracles" / "web" / "env";
+const std::filesystem::path kOracle = std::filesystem::path(WELKIN_SHARED) / "oracles" / "web" / "env";
 
 bool is_here(const std::filesystem::path& path) {
   if (std::filesystem::exists(path)) return true;
@@ -293,39 +258,14 @@ std::vector<float> source_of(const char* name) {
   return rgba;
 }
 
-glm::dvec3 stored_term(const std::string& file, const std::string& term) {
-  std::ifstream lines(kShared / "hdr" / "REFERENCE_SH.csv");
-  for (std::string line; std::getline(lines, line);) {
-    if (line.find(file) == std::string::npos || line.find("as stored") == std::string::npos) continue;
-    if (line.find("," + term + ",") == std::string::npos) continue;
-    std::istringstream numbers(line.substr(line.find("," + term + ",") + term.size() + 2));
-    glm::dvec3 rgb{};
-    char comma = 0;
-    numbers >> rgb.r >> comma >> rgb.g >> comma >> rgb.b;
-    return rgb;
-  }
-  FAIL("no term " << term << " of " << file);
-  return {};
-}
-
-/// Mean over a level's texels of |log2 of green / green|, once the faces of `chain` went through `rotation`: texel
-/// (column, row) of a face of the cubemap is compared with the one that `rotation` names in the chain.
-template <class Turn>
-double log_difference(const Cubemap& cubemap, const Cubemap& chain, int level, const Turn& rotation) {
-  const int size = cubemap.size();
+/// Mean over all texels of |log2 of green / green|.
+double log_difference(const Cubemap& a, const Cubemap& b) {
+  const auto green = [](const Cubemap& image, std::size_t i) {
+    return std::log2(std::max(1e-3, static_cast<double>(image.pixels()[i])));
+  };
   double sum = 0.0;
-  for (int face = 0; face < 6; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        const auto [other_face, other_column, other_row] = rotation(face, column, row);
-        const float ours = cubemap.pixels()[static_cast<std::size_t>(((face * size + row) * size + column) * 3 + 1)];
-        const float theirs = chain.face(level, other_face)[(other_row * size + other_column) * 3 + 1];
-        sum += std::abs(
-            std::log2(std::max(1e-3, static_cast<double>(theirs)) / std::max(1e-3, static_cast<double>(ours))));
-      }
-    }
-  }
-  return sum / (6.0 * size * size);
+  for (std::size_t i = 1; i < a.pixels().size(); i += 3) sum += std::abs(green(a, i) - green(b, i));
+  return 3.0 * sum / static_cast<double>(a.pixels().size());
 }
 
 }  // namespace
@@ -360,20 +300,22 @@ TEST_CASE("Babylon.js's own RGBD of known texels is read where they were", "[cod
 }
 
 TEST_CASE("real .env files are read whole, with the polynomial that they hold", "[codec][env][shared]") {
-  const std::filesystem::path folder = kShared / "hdr" / "cube";
+  const std::filesystem::path folder = kImages / "cube";
   if (!is_here(folder / "babylon_venice_sunset_128.env")) return;
   const std::pair<const char*, int> files[] = {
       {"babylon_dikhololo_night_64.env", 64},   {"babylon_lebombo_64_webp.env", 64},
       {"babylon_potsdamer_platz_256.env", 256}, {"babylon_spruit_sunrise_128.env", 128},
       {"babylon_studio_small_03_128.env", 128}, {"babylon_venice_sunset_128.env", 128}};
+  const auto stored = recorded_harmonics("env polynomial (as stored)");
   for (const auto& [file, size] : files) {
     CAPTURE(file);
+    const std::map<std::string, glm::dvec3> terms(stored.at(file).begin(), stored.at(file).end());
     const BabylonEnvironment read = read_babylon_environment(folder / file);
     CHECK(read.specular.size() == size);
     CHECK(read.specular.levels() == full_chain_levels(size));
     REQUIRE(read.polynomial);
-    CHECK(glm::length(read.polynomial->zx - stored_term(file, "zx")) < 1e-7);
-    CHECK(glm::length(read.polynomial->yy - stored_term(file, "yy")) < 1e-7);
+    CHECK(glm::length(read.polynomial->zx - terms.at("zx")) < 1e-7);
+    CHECK(glm::length(read.polynomial->yy - terms.at("yy")) < 1e-7);
   }
 }
 
@@ -383,23 +325,21 @@ TEST_CASE("real .env files show their photographs, right way up and not mirrored
                                                        {"babylon_spruit_sunrise_128.env", "spruit_sunrise_1k.hdr"},
                                                        {"babylon_venice_sunset_128.env", "venice_sunset_1k.hdr"}};
   for (const auto& [file, photograph] : pairs) {
-    if (!is_here(kShared / "hdr" / "cube" / file)) return;
+    if (!is_here(kImages / "cube" / file)) return;
     CAPTURE(file);
-    const Cubemap chain = mirrored_x(read_babylon_environment(kShared / "hdr" / "cube" / file).specular);
-    const Environment image = read_environment(kShared / "hdr" / "env" / photograph);
-    const int size = chain.size() / 2;  // level 1 is nearly sharp
-    const Cubemap cubemap = to_cubemap(image.lat_long(), size);
-    const int end = size - 1;
-    const auto difference = [&](const auto& rotation) { return log_difference(cubemap, chain, 1, rotation); };
-    const double as_it_is = difference([](int face, int column, int row) { return std::tuple(face, column, row); });
-    const double mirrored =
-        difference([end](int face, int column, int row) { return std::tuple(face, end - column, row); });
-    const double upside_down =
-        difference([end](int face, int column, int row) { return std::tuple(face, column, end - row); });
-    const double opposite = difference([](int face, int column, int row) { return std::tuple(face ^ 1, column, row); });
-    CHECK(as_it_is < 0.6 * mirrored);
-    CHECK(as_it_is < 0.6 * upside_down);
-    CHECK(as_it_is < 0.6 * opposite);
+    const Cubemap chain = mirrored_x(read_babylon_environment(kImages / "cube" / file).specular);
+    const Environment image = read_environment(kImages / "env" / photograph);
+    const int size = chain.level_size(1);  // nearly sharp
+    const Cubemap wanted = to_cubemap(image.lat_long(), size);
+    const auto difference = [&](const glm::dmat3& rotation) {
+      return log_difference(to_cubemap(chain.view(1), size, rotation), wanted);
+    };
+    const double as_it_is = difference(glm::dmat3(1.0));
+    const glm::dmat3 mirrored(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+    const glm::dmat3 upside_down(1, 0, 0, 0, -1, 0, 0, 0, 1);
+    for (const glm::dmat3& wrong : {mirrored, upside_down, rotation_about_y(180.0)}) {
+      CHECK(as_it_is < 0.6 * difference(wrong));
+    }
   }
 }
 

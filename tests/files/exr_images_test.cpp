@@ -19,8 +19,7 @@ namespace {
 // Writes 32 x 16 texels in the channels and gives them back.
 std::vector<float> write_channels(const std::filesystem::path& path, const std::vector<ExrChannel>& channels) {
   std::vector<float> pixels = some_pixels(32, 16);
-  ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, channels};
-  write_exr(path, recipe, pixels);
+  write_exr(path, {.width = 32, .height = 16, .channels = channels}, pixels);
   return pixels;
 }
 
@@ -53,12 +52,14 @@ std::string refusal(const std::filesystem::path& path, const ReadOptions& option
 
 TEST_CASE("R, G and B are found among other channels, whatever those are", "[codec]") {
   const TemporaryFile path("channels.exr");
-  const std::vector<float> pixels = some_pixels(32, 16);
-  ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  recipe.channels = {{"R", Imf::FLOAT, 1, 0},    {"G", Imf::HALF, 1, 1},        {"B", Imf::FLOAT, 1, 2},
-                     {"A", Imf::HALF, 1, 0},     {"Z", Imf::FLOAT, 1, 1},       {"id", Imf::UINT, 1, 2},
-                     {"sky.R", Imf::HALF, 1, 2}, {"half.size", Imf::HALF, 2, 0}};
-  write_exr(path, recipe, pixels);
+  const std::vector<float> pixels = write_channels(path, {{"R", Imf::FLOAT, 1, 0},
+                                                          {"G", Imf::HALF, 1, 1},
+                                                          {"B", Imf::FLOAT, 1, 2},
+                                                          {"A", Imf::HALF, 1, 0},
+                                                          {"Z", Imf::FLOAT, 1, 1},
+                                                          {"id", Imf::UINT, 1, 2},
+                                                          {"sky.R", Imf::HALF, 1, 2},
+                                                          {"half.size", Imf::HALF, 2, 0}});
   const Environment read = read_environment(path);
   REQUIRE(read.info.channels.size() == 8);
   CHECK(read.info.channels[0].name == "A");
@@ -75,9 +76,8 @@ TEST_CASE("Y alone becomes grey, scanline and tiled", "[codec]") {
   const TemporaryFile path("grey.exr");
   const std::vector<float> pixels = some_pixels(32, 16);
   for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(8, 8)}}) {
-    ExrRecipe recipe{32, 16, 5, -3, Imf::PIZ_COMPRESSION, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-    recipe.channels = {{"Y", Imf::FLOAT, 1, 1}};
-    write_exr(path, recipe, pixels);
+    write_exr(path, {32, 16, 5, -3, Imf::PIZ_COMPRESSION, Imf::INCREASING_Y, tiles, {}, {{"Y", Imf::FLOAT, 1, 1}}},
+              pixels);
     const Environment read = read_environment(path);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       REQUIRE(read.pixels[i] == pixels[i / 3 * 3 + 1]);
@@ -133,9 +133,12 @@ TEST_CASE("layers that are not there, and too many of them, are errors that name
 TEST_CASE("the views of a multi-view file are its layers, and the default view has none", "[codec]") {
   const TemporaryFile path("views.exr");
   const std::vector<float> pixels = some_pixels(32, 16);
-  ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  recipe.channels = together(layer("", {"R", "G", "B"}), layer("left.", {"B", "G", "R"}));
-  recipe.adjust = [](Imf::Header& header) { Imf::addMultiView(header, {"right", "left"}); };
+  const ExrRecipe recipe{.width = 32,
+                         .height = 16,
+                         .channels = together(layer("", {"R", "G", "B"}), layer("left.", {"B", "G", "R"})),
+                         .adjust = [](Imf::Header& header) {
+                           Imf::addMultiView(header, {"right", "left"});
+                         }};
   write_exr(path, recipe, pixels);
   CHECK(reads(path, pixels));
   CHECK(read_environment(path, with_layer("left")).pixels[2] == pixels[0]);
@@ -148,9 +151,7 @@ TEST_CASE("integers are the numbers that they state", "[codec]") {
     pixels.push_back(i < 3 ? 4294967040.0F : static_cast<float>(i * 131));  // the first: the largest float below 2^32
   }
   for (const auto& tiles : {std::optional<Imf::TileDescription>{}, std::optional{Imf::TileDescription(8, 8)}}) {
-    ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-    recipe.channels = rgb_channels(Imf::UINT);
-    write_exr(path, recipe, pixels);
+    write_exr(path, {.width = 32, .height = 16, .tiles = tiles, .channels = rgb_channels(Imf::UINT)}, pixels);
     CHECK(reads(path, pixels));
     CHECK(inspect_environment(path).channels[0].type == ChannelType::uint32);
   }
@@ -225,8 +226,7 @@ struct Window {
 };
 
 ExrRecipe recipe_of(const Window& data, const Window& display) {
-  ExrRecipe recipe{data.width,        data.height,  data.left,    data.top, Imf::ZIP_COMPRESSION,
-                   Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
+  ExrRecipe recipe{data.width, data.height, data.left, data.top};
   recipe.channels = rgb_channels(Imf::FLOAT);
   recipe.adjust = [display](Imf::Header& header) {
     header.displayWindow() = Imath::Box2i(
@@ -408,8 +408,11 @@ TEST_CASE("every OpenEXR compression is read, half and float, scanline and tiled
     for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT}) {
       for (const auto& tiles : kTilings) {
         CAPTURE(compression.name, type, tiles.has_value());
-        ExrRecipe recipe{width, height, 0, 0, compression.id, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-        recipe.channels = rgb_channels(type);
+        const ExrRecipe recipe{.width = width,
+                               .height = height,
+                               .compression = compression.id,
+                               .tiles = tiles,
+                               .channels = rgb_channels(type)};
         write_exr(path, recipe, pixels);
         const Environment read = read_environment(path);
         CHECK(read.info.compression == compression.name);

@@ -20,8 +20,7 @@ namespace welkin::test {
 namespace {
 
 ExrPartRecipe part(const std::string& name, const std::vector<ExrChannel>& channels, unsigned seed) {
-  ExrRecipe recipe{32, 16, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, channels};
-  return {name, recipe, some_pixels(32, 16, seed)};
+  return {name, {.width = 32, .height = 16, .channels = channels}, some_pixels(32, 16, seed)};
 }
 
 std::string name_of_read_part(const std::filesystem::path& path, const std::vector<ExrPartRecipe>& parts,
@@ -79,9 +78,8 @@ TEST_CASE("deep parts are skipped, and refused if they are asked for", "[codec]"
   parts[0].recipe.compression = Imf::ZIPS_COMPRESSION;
   write_exr_parts(path, parts);
   CHECK(name_of_read_part(path, parts) == "sky");
-  const ThrownError error = thrown_by([&] { (void)inspect_environment(path, with_part("smoke")); });
-  CHECK(error.code == ErrorCode::unsupported_file);
-  CHECK(error.says(path.string() + ": its part \"smoke\" is a deep OpenEXR image; flatten it"));
+  check_thrown([&] { (void)inspect_environment(path, with_part("smoke")); }, ErrorCode::unsupported_file,
+               {path.string() + ": its part \"smoke\" is a deep OpenEXR image; flatten it"});
   parts.pop_back();
   write_exr_parts(path, parts);
   CHECK(thrown_by([&] { (void)inspect_environment(path); }).says("deep OpenEXR image; flatten it"));
@@ -114,9 +112,12 @@ namespace {
 ReadOptions at_level(int level) { return {.layout = Layout::lat_long, .level = level}; }
 
 ExrRecipe recipe_of(int width, int height, const Imf::TileDescription& tiles) {
-  ExrRecipe recipe{width, height, -3, 11, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-  recipe.channels = rgb_channels(Imf::FLOAT);
-  return recipe;
+  return {.width = width,
+          .height = height,
+          .first_column = -3,
+          .first_row = 11,
+          .tiles = tiles,
+          .channels = rgb_channels(Imf::FLOAT)};
 }
 
 std::vector<float> level_by_library(Imf::TiledInputFile& file, int level) {
@@ -278,8 +279,8 @@ TEST_CASE("files choose as chains in memory do", "[codec][levels]") {
 TEST_CASE("an OpenEXR file without its tables of offsets is read", "[codec]") {
   const TemporaryFile path("no-table.exr");
   const std::vector<float> pixels = some_pixels(64, 32);
-  ExrRecipe sky{64, 32, 0, 0, Imf::ZIPS_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  sky.channels = rgb_channels(Imf::FLOAT);
+  const ExrRecipe sky{
+      .width = 64, .height = 32, .compression = Imf::ZIPS_COMPRESSION, .channels = rgb_channels(Imf::FLOAT)};
   ExrRecipe tiles = sky;
   const auto check = [&](std::size_t entries, const ReadOptions& options) {
     std::vector<char> bytes = read_bytes(path);

@@ -254,12 +254,7 @@ using namespace std::string_literals;
 void check_refusal(const std::string& content, ErrorCode code, const std::string& found, const std::string& remedy) {
   const TemporaryFile path("sky.hdr");
   write_bytes(path, {content.begin(), content.end()});
-  const ThrownError error = thrown_by([&] { (void)read_environment(path, kLatLong); });
-  INFO(error.message);
-  CHECK(error.code == code);
-  CHECK(error.says(path.string() + ": "));
-  CHECK(error.says(found));
-  CHECK(error.says(remedy));
+  check_thrown([&] { (void)read_environment(path, kLatLong); }, code, {path.string() + ": ", found, remedy});
 }
 
 // A whole sound header but for one line.
@@ -353,10 +348,9 @@ TEST_CASE("an image of columns is refused where decoding it whole takes too much
   write_bytes(path, hdr_bytes({512, 256, HdrForm::new_rle, true}, some_rgbe(512, 256)));
   ReadOptions options{.memory_limit_bytes = 512 * 256 * 4};
   CHECK(inspect_environment(path, options).width == 512);
-  const ThrownError error = thrown_by([&] { (void)measure_environment(path, options); });
-  CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": decoding "));
-  CHECK(error.says("save it as -Y +X: its scanlines are columns, so that it must be decoded whole"));
+  check_thrown(
+      [&] { (void)measure_environment(path, options); }, ErrorCode::limit_exceeded,
+      {path.string() + ": decoding ", "save it as -Y +X: its scanlines are columns, so that it must be decoded whole"});
   options.memory_limit_bytes = 1U << 20U;
   CHECK(measure_environment(path, options).texels == 512 * 256);
 }
@@ -393,27 +387,18 @@ namespace {
 constexpr int kGuards = 16;
 constexpr float kUntouched = -1.0F;
 
-/// mantissa 2^(exponent - 136), and 0 with exponent 0.
-std::vector<float> expected(const std::vector<std::uint8_t>& planes, int length) {
-  std::vector<float> rgb;
-  const auto plane = static_cast<std::size_t>(length);
-  for (std::size_t i = 0; i < plane; ++i) {
-    const int exponent = planes[3 * plane + i];
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double value = exponent == 0 ? 0.0 : std::ldexp(static_cast<double>(planes[c * plane + i]), exponent - 136);
-      rgb.push_back(static_cast<float>(value));
-    }
+/// Converts the texels, which the kernel gets as four planes.
+void check(const std::vector<Rgbe>& texels) {
+  std::vector<std::uint8_t> planes;
+  for (std::size_t component = 0; component < 4; ++component) {
+    for (const Rgbe& texel : texels) planes.push_back(texel[component]);
   }
-  return rgb;
-}
-
-void check(const std::vector<std::uint8_t>& planes, int length) {
-  std::vector<float> wanted = expected(planes, length);
+  std::vector<float> wanted = decoded(texels);
   wanted.insert(wanted.end(), kGuards, kUntouched);
   for (const InstructionSet set : available_instruction_sets()) {
-    CAPTURE(length, static_cast<int>(set));
+    CAPTURE(texels.size(), static_cast<int>(set));
     std::vector<float> rgb(wanted.size(), kUntouched);
-    files::hdr_kernels(set).floats_from_rgbe(planes.data(), length, rgb.data());
+    files::hdr_kernels(set).floats_from_rgbe(planes.data(), static_cast<int>(texels.size()), rgb.data());
     CHECK(same_bits(wanted, rgb.data()));
   }
 }
@@ -421,22 +406,27 @@ void check(const std::vector<std::uint8_t>& planes, int length) {
 }  // namespace
 
 TEST_CASE("every mantissa with every exponent is the float that it stands for", "[codec][hdr][kernels]") {
-  constexpr int kValues = 256;
-  for (int exponent = 0; exponent < kValues; ++exponent) {
-    std::vector<std::uint8_t> planes;
-    for (int component = 0; component < 3; ++component) {
-      for (int k = 0; k < kValues; ++k) planes.push_back(static_cast<std::uint8_t>(k + 85 * component));
+  for (int exponent = 0; exponent < 256; ++exponent) {
+    std::vector<Rgbe> texels;
+    for (int k = 0; k < 256; ++k) {
+      texels.push_back({static_cast<std::uint8_t>(k), static_cast<std::uint8_t>(k + 85),
+                        static_cast<std::uint8_t>(k + 170), static_cast<std::uint8_t>(exponent)});
     }
-    planes.insert(planes.end(), kValues, static_cast<std::uint8_t>(exponent));
-    check(planes, kValues);
+    check(texels);
   }
 }
 
 TEST_CASE("runs of RGBE of any length are converted, and nothing behind them is written", "[codec][hdr][kernels]") {
   for (const int length : {1, 2, 3, 7, 13, 14, 15, 16, 17, 18, 19, 31, 32, 33, 34, 63, 64, 65, 257}) {
-    std::vector<std::uint8_t> planes;
-    for (int k = 0; k < 4 * length; ++k) planes.push_back(static_cast<std::uint8_t>(37 * k + k / 11));
-    check(planes, length);
+    std::vector<Rgbe> texels(static_cast<std::size_t>(length));
+    int k = 0;
+    for (Rgbe& texel : texels) {
+      for (std::uint8_t& byte : texel) {
+        byte = static_cast<std::uint8_t>(37 * k + k / 11);
+        ++k;
+      }
+    }
+    check(texels);
   }
 }
 

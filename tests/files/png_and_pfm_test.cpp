@@ -231,12 +231,7 @@ std::vector<char> sound_png(int width = 8, int height = 4, bool interlaced = fal
 void check_refusal(const std::vector<char>& file, ErrorCode code, const std::string& found, const std::string& remedy) {
   const TemporaryFile path("sky.png");
   write_bytes(path, file);
-  const ThrownError error = thrown_by([&] { (void)read_environment(path, {Layout::lat_long}); });
-  INFO(error.message);
-  CHECK(error.code == code);
-  CHECK(error.says(path.string() + ": "));
-  CHECK(error.says(found));
-  CHECK(error.says(remedy));
+  check_thrown([&] { (void)read_environment(path, as_lat_long()); }, code, {path.string() + ": ", found, remedy});
 }
 
 }  // namespace
@@ -279,10 +274,8 @@ TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much",
   ReadOptions options{.memory_limit_bytes = std::uint64_t{512} << 10U};
   write_bytes(path, sound_png(640, 320, true));
   CHECK(inspect_environment(path, options).width == 640);
-  const ThrownError error = thrown_by([&] { (void)measure_environment(path, options); });
-  CHECK(error.code == ErrorCode::limit_exceeded);
-  CHECK(error.says(path.string() + ": decoding "));
-  CHECK(error.says("save it without interlacing: as it is, it must be decoded whole"));
+  check_thrown([&] { (void)measure_environment(path, options); }, ErrorCode::limit_exceeded,
+               {path.string() + ": decoding ", "save it without interlacing: as it is, it must be decoded whole"});
   write_bytes(path, sound_png(640, 320, false));
   CHECK(files::open_row_source(path, options)->reader_bytes() < options.memory_limit_bytes);
   (void)files::open_row_source(path, options)->open_reader();

@@ -154,9 +154,8 @@ TEST_CASE("a layout that is asked for keeps a face from being taken for a sixth"
   ReadOptions options{.layout = Layout::lat_long};
   CHECK(inspect_environment(paths[0], options).layout == Layout::lat_long);
   CHECK(inspect_environment(paths[0], options).faces[0].empty());
-  const ThrownError error = thrown_by([&] { (void)inspect_environment(paths[0].parent_path(), options); });
-  CHECK(error.code == ErrorCode::file_access);
-  CHECK(error.says("is a directory; name an image in it"));
+  check_thrown([&] { (void)inspect_environment(paths[0].parent_path(), options); }, ErrorCode::file_access,
+               {"is a directory; name an image in it"});
 }
 
 TEST_CASE("faces that are not square or not of one size are named", "[codec][layout]") {
@@ -184,9 +183,7 @@ TEST_CASE("damage in one of six files is reported with its name", "[codec][layou
   std::vector<char> bytes = read_bytes(paths[5]);
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), bytes.size() / 4, '\x55');
   write_bytes(paths[5], bytes);
-  const ThrownError error = thrown_by([&] { (void)read_environment(paths[0]); });
-  CHECK(error.code == ErrorCode::corrupt_file);
-  CHECK(error.says(paths[5].string() + ": "));
+  check_thrown([&] { (void)read_environment(paths[0]); }, ErrorCode::corrupt_file, {paths[5].string() + ": "});
   touch(paths[2]);
   CHECK(thrown_by([&] { (void)read_environment(paths[0]); }).says(paths[2].string() + ": is empty"));
 }

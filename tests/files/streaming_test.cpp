@@ -272,9 +272,11 @@ namespace {
 
 ExrRecipe lat_long_recipe(int width, int height, Imf::Compression compression,
                           const std::optional<Imf::TileDescription>& tiles) {
-  ExrRecipe recipe{width, height, 0, 0, compression, Imf::INCREASING_Y, tiles, std::nullopt, {}};
-  recipe.channels = rgb_channels(Imf::FLOAT);
-  return recipe;
+  return {.width = width,
+          .height = height,
+          .compression = compression,
+          .tiles = tiles,
+          .channels = rgb_channels(Imf::FLOAT)};
 }
 
 }  // namespace
@@ -317,8 +319,7 @@ TEST_CASE("progress rises to 1, and a stop token ends the call", "[codec]") {
     stop_source source;
     control.stop = source.get_token();
     control.progress = [&](double) { source.request_stop(); };
-    const ThrownError error = thrown_by([&] { (void)project_file(path, {}, {}, control); });
-    CHECK(error.code == ErrorCode::cancelled);
+    CHECK(thrown_by([&] { (void)project_file(path, {}, {}, control); }).code == ErrorCode::cancelled);
     CHECK(thrown_by([&] { (void)read_environment(path, {}, control); }).code == ErrorCode::cancelled);
     CHECK(thrown_by([&] { (void)measure_environment(path, {}, control); }).code == ErrorCode::cancelled);
     CHECK(read_environment(path).pixels != nullptr);
@@ -333,9 +334,7 @@ TEST_CASE("damage in the middle of a file is an error, not a half result", "[cod
   write_bytes(path, bytes);
   for (const int threads : {1, 2}) {
     run_with_threads(threads, [&] {
-      const ThrownError error = thrown_by([&] { (void)project_file(path); });
-      CHECK(error.code == ErrorCode::corrupt_file);
-      CHECK(error.says(path.string() + ": "));
+      check_thrown([&] { (void)project_file(path); }, ErrorCode::corrupt_file, {path.string() + ": "});
     });
   }
 }

@@ -172,22 +172,26 @@ namespace {
 
 using Json = nlohmann::json;
 
-void put(std::vector<char>& bytes, std::size_t index, std::uint32_t value) {
+template <class Bytes>
+void put(Bytes& bytes, std::size_t index, std::uint32_t value) {
   std::memcpy(bytes.data() + index, &value, sizeof value);
 }
 
-/// A sound file of some texture format with one field set, and what the reader says.
-ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
-                         Supercompression packing = Supercompression::none) {
-  const TemporaryDirectory directory;
-  const Cubemap chain = noisy_chain(4, 3);
-  write_texture(directory.file(file), chain.views(), {TexelFormat::rgba16f, packing, {}});
-  std::vector<char> bytes = read_bytes(directory.file(file));
-  put(bytes, index, value);
-  write_bytes(directory.file(file), bytes);
-  ThrownError error = thrown_by([&] { (void)read_texture(directory.file(file)); });
+/// A sound file of some texture format after `change` of its bytes, and what the reader says.
+template <class Change>
+ThrownError refusal_of(const char* file, const Cubemap& chain, Supercompression packing, const Change& change) {
+  std::vector<std::byte> bytes;
+  write_texture({bytes, file}, chain.views(), {TexelFormat::rgba16f, packing, {}});
+  change(bytes);
+  ThrownError error = thrown_by([&] { (void)read_texture({std::as_const(bytes), file}); });
   CHECK(error.says(file));
   return error;
+}
+
+/// The same with one field set.
+ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
+                         Supercompression packing = Supercompression::none) {
+  return refusal_of(file, noisy_chain(4, 3), packing, [&](auto& bytes) { put(bytes, index, value); });
 }
 
 struct EnvParts {
@@ -251,13 +255,9 @@ TEST_CASE("KTX2 files that are not for us are named for what they are", "[codec]
   CHECK(refusal_with("sky.ktx2", 88, 5).says("has 5 bytes"));
   CHECK(refusal_with("sky.ktx2", 96, 5, Supercompression::zstd).says("bytes instead of 768"));
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    const TemporaryDirectory directory;
-    const Cubemap chain = noisy_chain(16, 1);
-    write_texture(directory.file("sky.ktx2"), chain.views(), {TexelFormat::rgba16f, packing, {}});
-    std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    for (std::size_t i = bytes.size() - 4000; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i);
-    write_bytes(directory.file("sky.ktx2"), bytes);
-    const ThrownError error = thrown_by([&] { (void)read_texture(directory.file("sky.ktx2")); });
+    const ThrownError error = refusal_of("sky.ktx2", noisy_chain(16, 1), packing, [](auto& bytes) {
+      for (std::size_t i = bytes.size() - 4000; i < bytes.size(); ++i) bytes[i] = static_cast<std::byte>(i);
+    });
     CHECK(error.code == ErrorCode::corrupt_file);
     CHECK(error.says("does not unpack"));
   }
@@ -265,14 +265,12 @@ TEST_CASE("KTX2 files that are not for us are named for what they are", "[codec]
 
 TEST_CASE("a packed level that unpacks to less than its size is refused", "[codec][textures]") {
   for (const Supercompression packing : {Supercompression::zlib, Supercompression::zstd}) {
-    const TemporaryDirectory directory;
-    write_texture(directory.file("sky.ktx2"), noisy_chain(4, 1).views(), {TexelFormat::rgba16f, packing, {}});
-    std::vector<char> bytes = read_bytes(directory.file("sky.ktx2"));
-    put(bytes, 20, 8);              // width
-    put(bytes, 24, 8);              // height
-    put(bytes, 96, 6 * 8 * 8 * 8);  // unpacked bytes
-    write_bytes(directory.file("sky.ktx2"), bytes);
-    CHECK(thrown_by([&] { (void)read_texture(directory.file("sky.ktx2")); }).says("shorter than the level index says"));
+    const ThrownError error = refusal_of("sky.ktx2", noisy_chain(4, 1), packing, [](auto& bytes) {
+      put(bytes, 20, 8);              // width
+      put(bytes, 24, 8);              // height
+      put(bytes, 96, 6 * 8 * 8 * 8);  // unpacked bytes
+    });
+    CHECK(error.says("shorter than the level index says"));
   }
 }
 
@@ -292,15 +290,13 @@ TEST_CASE("a texture that takes more memory than it may is refused before it is 
   const Cubemap chain = noisy_chain(64, 1);
   for (const Supercompression packing : {Supercompression::none, Supercompression::zstd}) {
     write_texture(directory.file("sky.ktx2"), chain.views(), {TexelFormat::rgba16f, packing, {}});
-    const ThrownError error = thrown_by([&] { (void)read_texture(directory.file("sky.ktx2"), 100000); });
-    CHECK(error.code == ErrorCode::limit_exceeded);
-    CHECK(error.says("raise the limit"));
+    const auto read = [&] { (void)read_texture(directory.file("sky.ktx2"), 100000); };
+    check_thrown(read, ErrorCode::limit_exceeded, {"raise the limit"});
   }
   BabylonEnvironment environment;
   environment.specular = noisy_chain(64, 7);
   write_babylon_environment(directory.file("sky.env"), environment);
-  const ThrownError error = thrown_by([&] { (void)read_babylon_environment(directory.file("sky.env"), 100000); });
-  CHECK(error.code == ErrorCode::limit_exceeded);
+  check_thrown([&] { (void)read_babylon_environment(directory.file("sky.env"), 100000); }, ErrorCode::limit_exceeded);
 }
 
 TEST_CASE("packed sizes that overflow together are above the limit", "[codec][textures]") {
@@ -353,36 +349,35 @@ TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
 }
 
 TEST_CASE("flaws in an .env's manifest are named", "[codec][env]") {
-  using Change = EnvParts&;
-  CHECK(env_refusal([](Change parts) { parts.manifest["version"] = 3; }).code == ErrorCode::unsupported_file);
-  CHECK(env_refusal([](Change parts) { parts.manifest["version"] = 3; }).says("is an .env of version 3"));
-  CHECK(env_refusal([](Change parts) { parts.manifest.erase("version"); }).says("no \"version\""));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 5; }).says("a power of two"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 32768; }).says("from 1 to 16384"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = "4"; }).says("not a number"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 2; }).says("there must be 12"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["width"] = 1e300; }).says("not an integer"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["specular"] = nullptr; }).says("no \"specular\""));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["specular"]["mipmaps"][3]["position"] = 1 << 20;
-        }).says("bytes follow it"));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["specular"]["mipmaps"][3]["length"] = -1;
-        }).says("not an integer from 0 up"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["specular"]["lodGenerationScale"] = -1; }).says("below 0"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["irradiance"]["yz"] = {1, 2}; }).says("not three numbers"));
-  CHECK(env_refusal([](Change parts) { parts.manifest["irradiance"].erase("zx"); }).says("no \"zx\""));
-  CHECK(env_refusal([](Change parts) {
-          parts.manifest["irradiance"]["irradianceTexture"]["faces"].erase(5);
-        }).says("there must be 6"));
-  CHECK(env_refusal([](Change parts) {
+  const auto with = [](const char* place, const Json& value) {
+    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(place)] = value; });
+  };
+  const auto without = [](const char* parent, const auto& child) {
+    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(parent)].erase(child); });
+  };
+  CHECK(with("/version", 3).code == ErrorCode::unsupported_file);
+  CHECK(with("/version", 3).says("is an .env of version 3"));
+  CHECK(without("", "version").says("no \"version\""));
+  CHECK(with("/width", 5).says("a power of two"));
+  CHECK(with("/width", 32768).says("from 1 to 16384"));
+  CHECK(with("/width", "4").says("not a number"));
+  CHECK(with("/width", 2).says("there must be 12"));
+  CHECK(with("/width", 1e300).says("not an integer"));
+  CHECK(with("/specular", nullptr).says("no \"specular\""));
+  CHECK(with("/specular/mipmaps/3/position", 1 << 20).says("bytes follow it"));
+  CHECK(with("/specular/mipmaps/3/length", -1).says("not an integer from 0 up"));
+  CHECK(with("/specular/lodGenerationScale", -1).says("below 0"));
+  CHECK(with("/irradiance/yz", {1, 2}).says("not three numbers"));
+  CHECK(without("/irradiance", "zx").says("no \"zx\""));
+  CHECK(without("/irradiance/irradianceTexture/faces", std::size_t{5}).says("there must be 6"));
+  CHECK(env_refusal([](EnvParts& parts) {
           std::swap(parts.manifest["specular"]["mipmaps"][0], parts.manifest["specular"]["mipmaps"][6]);
         }).says("level 0, face +X, is 2 x 2 texels; its level has 4 x 4"));
-  CHECK(env_refusal([](Change parts) {
+  CHECK(env_refusal([](EnvParts& parts) {
           parts.payload[40] = static_cast<char>(~parts.payload[40]);
         }).says("is a damaged PNG"));
-  CHECK(env_refusal([](Change parts) { parts.payload[1] = 'X'; }).says("neither a PNG nor a WebP"));
-  CHECK(env_refusal([](Change parts) { parts.payload.resize(100); }).says("bytes follow it"));
+  CHECK(env_refusal([](EnvParts& parts) { parts.payload[1] = 'X'; }).says("neither a PNG nor a WebP"));
+  CHECK(env_refusal([](EnvParts& parts) { parts.payload.resize(100); }).says("bytes follow it"));
 }
 
 TEST_CASE("older .env versions are read as the first, without an image type", "[codec][env]") {

@@ -3,6 +3,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/images.h"
+#include "support/ktx_files.h"
 #include "support/same_bits.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
@@ -125,70 +126,10 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-template <class Value>
-void append(Bytes& bytes, Value value) {
-  const auto* const first = reinterpret_cast<const std::byte*>(&value);
-  bytes.insert(bytes.end(), first, first + sizeof value);
-}
-
-void append_all(Bytes& bytes, const std::vector<std::uint32_t>& values) {
-  for (const std::uint32_t value : values) append(bytes, value);
-}
-
-/// What a texture's header says.
-struct Kind {
-  std::uint32_t format;     ///< VkFormat, or of KTX1 glType
-  std::uint32_t type_size;  ///< of KTX1 glFormat
-  std::uint32_t width;
-  std::uint32_t height;
-  std::uint32_t elements;  ///< 0: no array
-  std::uint32_t faces;
-};
-
-/// A KTX2 file, level 0 first in `levels`.
-Bytes ktx2(const Kind& kind, const std::vector<Bytes>& levels) {
-  Bytes bytes;
-  for (const int value : {0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32, 0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A})
-    bytes.push_back(static_cast<std::byte>(value));
-  append_all(bytes, {kind.format, kind.type_size, kind.width, kind.height, 0, kind.elements, kind.faces,
-                     static_cast<std::uint32_t>(levels.size()), 0, 0, 0, 0, 0, 0, 0, 0, 0});
-  std::uint64_t index = 80 + 24 * levels.size();
-  for (const Bytes& level : levels) {
-    append(bytes, index);
-    append(bytes, std::uint64_t{level.size()});
-    append(bytes, std::uint64_t{level.size()});
-    index += level.size();
-  }
-  for (const Bytes& level : levels) bytes.insert(bytes.end(), level.begin(), level.end());
-  return bytes;
-}
-
-/// A KTX file of the first version, little-endian.
-Bytes ktx1(const Kind& kind, std::uint32_t internal, const std::vector<Bytes>& levels, const std::string& note = "") {
-  Bytes bytes;
-  for (const int value : {0xAB, 0x4B, 0x54, 0x58, 0x20, 0x31, 0x31, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A})
-    bytes.push_back(static_cast<std::byte>(value));
-  const std::string entry = note.empty() ? "" : std::string("note\0", 5) + note + '\0';
-  const std::size_t padded = (entry.size() + 3) / 4 * 4;
-  append_all(bytes, {0x04030201, kind.format, 1, kind.type_size, internal, kind.type_size, kind.width, kind.height, 0,
-                     kind.elements, kind.faces, static_cast<std::uint32_t>(levels.size()),
-                     static_cast<std::uint32_t>(entry.empty() ? 0 : 4 + padded)});
-  if (!entry.empty()) {
-    append(bytes, static_cast<std::uint32_t>(entry.size()));
-    for (std::size_t k = 0; k < padded; ++k) bytes.push_back(static_cast<std::byte>(k < entry.size() ? entry[k] : 0));
-  }
-  for (const Bytes& level : levels) {
-    const bool counts_a_face = kind.elements == 0 && kind.faces == 6;
-    append(bytes, static_cast<std::uint32_t>(level.size() / (counts_a_face ? 6 : 1)));
-    bytes.insert(bytes.end(), level.begin(), level.end());
-  }
-  return bytes;
-}
-
 /// `texels` of floats, 1, 2, 3, ... in `channels`.
 Bytes counted_floats(std::size_t texels, std::size_t channels) {
   Bytes bytes;
-  for (std::size_t k = 0; k < texels * channels; ++k) append(bytes, static_cast<float>(k + 1));
+  for (std::size_t k = 0; k < texels * channels; ++k) append_value(bytes, static_cast<float>(k + 1));
   return bytes;
 }
 
@@ -215,7 +156,7 @@ constexpr std::uint32_t kRgb32f = 106, kRgba32f = 109, kB10g11r11 = 122, kE5b9g9
 }  // namespace
 
 TEST_CASE("KTX2 images are lat-longs, at each level", "[codec][textures]") {
-  const Bytes file = ktx2({kRgba32f, 4, 4, 2, 0, 1}, {counted_floats(8, 4), counted_floats(2, 4)});
+  const Bytes file = ktx2_bytes({kRgba32f, 4, 4, 2, 0, 1}, {counted_floats(8, 4), counted_floats(2, 4)});
   const EnvironmentInfo info = inspect_environment({file, "texture"});
   CHECK(info.layout == Layout::lat_long);
   CHECK(info.levels.size() == 2);
@@ -226,35 +167,35 @@ TEST_CASE("KTX2 images are lat-longs, at each level", "[codec][textures]") {
   CHECK(refusal(file, half).says("has no level 2"));
   CHECK(thrown_by([&] { static_cast<void>(read_texture({file, "texture"})); }).says("is not a cubemap"));
   // other shapes hold other layouts
-  CHECK(inspect_environment({ktx2({kRgb32f, 4, 1, 6, 0, 1}, {counted_floats(6, 3)}), "texture"}).layout ==
+  CHECK(inspect_environment({ktx2_bytes({kRgb32f, 4, 1, 6, 0, 1}, {counted_floats(6, 3)}), "texture"}).layout ==
         Layout::vertical_strip);
-  const Bytes five = ktx2({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)});
+  const Bytes five = ktx2_bytes({kRgb32f, 4, 5, 1, 0, 1}, {counted_floats(5, 3)});
   CHECK(refusal(five).says("5 x 1"));
   CHECK(reds(five, {.layout = Layout::lat_long}) == counting(1, 3, 5));
 }
 
 TEST_CASE("KTX2 images of packed floats are read", "[codec][textures]") {
   Bytes packed;
-  for (const std::uint32_t exponent : {15U, 16U}) append(packed, exponent << 6U | 15U << 17U | 15U << 27U);
-  CHECK(reds(ktx2({kB10g11r11, 4, 2, 1, 0, 1}, {packed})) == std::vector<float>{1.0F, 2.0F});
+  for (const std::uint32_t exponent : {15U, 16U}) append_value(packed, exponent << 6U | 15U << 17U | 15U << 27U);
+  CHECK(reds(ktx2_bytes({kB10g11r11, 4, 2, 1, 0, 1}, {packed})) == std::vector<float>{1.0F, 2.0F});
   Bytes shared;
-  for (const std::uint32_t exponent : {16U, 17U}) append(shared, exponent << 27U | 256U);
-  CHECK(reds(ktx2({kE5b9g9r9, 4, 2, 1, 0, 1}, {shared})) == std::vector<float>{1.0F, 2.0F});
+  for (const std::uint32_t exponent : {16U, 17U}) append_value(shared, exponent << 27U | 256U);
+  CHECK(reds(ktx2_bytes({kE5b9g9r9, 4, 2, 1, 0, 1}, {shared})) == std::vector<float>{1.0F, 2.0F});
 }
 
 TEST_CASE("KTX2 formats without alpha are read", "[codec][textures]") {
-  CHECK(reds(ktx2({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)})) == counting(1, 3, 6));
+  CHECK(reds(ktx2_bytes({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)})) == counting(1, 3, 6));
   Bytes halves;
-  for (int k = 0; k < 18; ++k) append(halves, image::half_from_float(static_cast<float>(k)));
-  CHECK(reds(ktx2({kRgb16f, 2, 1, 1, 0, 6}, {halves})) == counting(0, 3, 6));
+  for (int k = 0; k < 18; ++k) append_value(halves, image::half_from_float(static_cast<float>(k)));
+  CHECK(reds(ktx2_bytes({kRgb16f, 2, 1, 1, 0, 6}, {halves})) == counting(0, 3, 6));
   Bytes bytes;
   for (int k = 0; k < 18; ++k) bytes.push_back(static_cast<std::byte>(k % 3 == 0 ? 255 : 0));
-  CHECK(reds(ktx2({kRgb8, 1, 1, 1, 0, 6}, {bytes})) == std::vector<float>(6, 1.0F));
+  CHECK(reds(ktx2_bytes({kRgb8, 1, 1, 1, 0, 6}, {bytes})) == std::vector<float>(6, 1.0F));
 }
 
 TEST_CASE("An element of a KTX2 array is read by its number", "[codec][textures]") {
-  const Bytes images = ktx2({kRgb32f, 4, 2, 1, 3, 1}, {counted_floats(6, 3)});
-  const Bytes cubes = ktx2({kRgb32f, 4, 1, 1, 2, 6}, {counted_floats(12, 3)});
+  const Bytes images = ktx2_bytes({kRgb32f, 4, 2, 1, 3, 1}, {counted_floats(6, 3)});
+  const Bytes cubes = ktx2_bytes({kRgb32f, 4, 1, 1, 2, 6}, {counted_floats(12, 3)});
   ReadOptions options;
   CHECK(reds(images) == counting(1, 3, 2));
   options.element = 2;
@@ -266,15 +207,15 @@ TEST_CASE("An element of a KTX2 array is read by its number", "[codec][textures]
   options.element = -1;
   CHECK(refusal(images, options).says("has no element -1"));
   options.element = 1;
-  CHECK(refusal(ktx2({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)}), options).says("it is not an array"));
+  CHECK(refusal(ktx2_bytes({kRgb32f, 4, 1, 1, 0, 6}, {counted_floats(6, 3)}), options).says("it is not an array"));
   CHECK(thrown_by([&] { static_cast<void>(read_texture({cubes, "texture"})); }).says("array of 2 cubemaps"));
 }
 
 TEST_CASE("KTX cubemaps of the first version are read, with their levels", "[codec][textures]") {
   constexpr std::uint32_t kFloat = 0x1406, kRgba = 0x1908, kRgba32fInternal = 0x8814;
-  const Kind kind{kFloat, kRgba, 2, 2, 0, 6};
+  const KtxKind kind{kFloat, kRgba, 2, 2, 0, 6};
   const std::vector<Bytes> levels{counted_floats(24, 4), counted_floats(6, 4)};
-  const Bytes file = ktx1(kind, kRgba32fInternal, levels, "hello");
+  const Bytes file = ktx1_bytes(kind, kRgba32fInternal, levels, "hello");
   const CubemapTexture texture = read_texture({file, "texture"});
   CHECK(texture.cubemap.levels() == 2);
   CHECK(texture.metadata.at("note") == "hello");
@@ -284,14 +225,14 @@ TEST_CASE("KTX cubemaps of the first version are read, with their levels", "[cod
   CHECK(inspect_environment({file, "texture"}).format == FileFormat::ktx1);
   // arrays count all of their bytes, and images too
   ReadOptions second{.element = 1};
-  CHECK(reds(ktx1({kFloat, kRgba, 1, 1, 2, 6}, kRgba32fInternal, {counted_floats(12, 4)}), second) ==
+  CHECK(reds(ktx1_bytes({kFloat, kRgba, 1, 1, 2, 6}, kRgba32fInternal, {counted_floats(12, 4)}), second) ==
         counting(25, 4, 6));
-  CHECK(reds(ktx1({kFloat, kRgba, 2, 1, 0, 1}, kRgba32fInternal, {counted_floats(2, 4)})) == counting(1, 4, 2));
+  CHECK(reds(ktx1_bytes({kFloat, kRgba, 2, 1, 0, 1}, kRgba32fInternal, {counted_floats(2, 4)})) == counting(1, 4, 2));
 }
 
 TEST_CASE("KTX files of the first version that are not for us are named for what they are", "[codec][textures]") {
   constexpr std::uint32_t kFloat = 0x1406, kRgba = 0x1908, kRgba32fInternal = 0x8814;
-  const Bytes sound = ktx1({kFloat, kRgba, 2, 2, 0, 6}, kRgba32fInternal, {counted_floats(24, 4)});
+  const Bytes sound = ktx1_bytes({kFloat, kRgba, 2, 2, 0, 6}, kRgba32fInternal, {counted_floats(24, 4)});
   const auto with = [&](std::size_t offset, std::uint32_t value) {
     Bytes bytes = sound;
     std::memcpy(bytes.data() + offset, &value, sizeof value);

@@ -23,31 +23,6 @@
 
 namespace welkin::test {
 
-inline void add_bits(BitHash& hash, const EngineLight& light) {
-  add_bits(hash, light.form);
-  for (const EngineTerm& term : light.terms) add_bits(hash, term.rgb);
-  for (const EngineVector& vector : light.vectors) add_bits(hash, vector.value);
-}
-inline void add_bits(BitHash& hash, const HarmonicMinimum& minimum) {
-  add_bits(hash, minimum.value);
-  for (const glm::dvec3& direction : minimum.direction) add_bits(hash, direction);
-}
-inline void add_bits(BitHash& hash, const WindowResult& windowed) {
-  add_bits(hash, windowed.radiance);
-  add_bits(hash, windowed.parameter);
-  add_bits(hash, windowed.minimum_before);
-  add_bits(hash, windowed.minimum_after);
-  add_bits(hash, windowed.factors);
-}
-inline void add_bits(BitHash& hash, const DominantLight& light) {
-  add_bits(hash, light.direction);
-  add_bits(hash, light.irradiance);
-}
-inline void add_bits(BitHash& hash, const IrradianceError& error) {
-  add_bits(hash, error.bands);
-  for (const double value : {error.rms, error.maximum, error.relative}) add_bits(hash, value);
-  add_bits(hash, error.worst_normal);
-}
 inline void add_bits(BitHash& hash, const PlannedPass& pass) {
   add_bits(hash, pass.name);
   add_bits(hash, pass.reason);

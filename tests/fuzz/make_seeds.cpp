@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "support/exr_files.h"
 #include "support/hdr_files.h"
 #include "support/jpeg_files.h"
+#include "support/ktx_files.h"
 #include "support/pfm_files.h"
 #include "support/png_files.h"
 #include "support/temporary_directory.h"
@@ -33,36 +36,9 @@ namespace {
 
 using namespace welkin;
 
-void make_exr_seeds(const std::filesystem::path& directory) {
-  const std::optional<Imf::TileDescription> tilings[] = {std::nullopt, Imf::TileDescription(8, 8),
-                                                         Imf::TileDescription(5, 3, Imf::MIPMAP_LEVELS),
-                                                         Imf::TileDescription(4, 4, Imf::RIPMAP_LEVELS)};
-  int count = 0;
-  for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression) {
-    for (const auto& tiles : tilings) {
-      for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT}) {
-        test::ExrRecipe recipe{16,    8,  -3, 5, static_cast<Imf::Compression>(compression), Imf::INCREASING_Y,
-                               tiles, {}, {}};
-        recipe.channels = test::rgb_channels(type);
-        if (count % 4 == 3) {
-          recipe.width = 4;
-          recipe.height = 24;
-          recipe.envmap = Imf::ENVMAP_CUBE;
-        }
-        if (count % 5 == 4) {
-          recipe.channels = {{"Y", type}, {"A", Imf::HALF}};
-        }
-        test::write_exr(directory / ("seed" + std::to_string(count++) + ".exr"), recipe,
-                        test::some_pixels(recipe.width, recipe.height));
-      }
-    }
-  }
-}
-
 // What is neither R, G, B nor the data window of a single part.
 void make_odd_exr_seeds(const std::filesystem::path& directory) {
-  test::ExrRecipe plain{16, 8, 0, 0, Imf::ZIP_COMPRESSION, Imf::INCREASING_Y, std::nullopt, std::nullopt, {}};
-  plain.channels = test::rgb_channels(Imf::HALF);
+  const test::ExrRecipe plain{.width = 16, .height = 8};
   const std::vector<float> pixels = test::some_pixels(16, 8);
   const auto write = [&](const char* name, const test::ExrRecipe& recipe) {
     test::write_exr(directory / (std::string(name) + ".exr"), recipe, pixels);
@@ -95,6 +71,37 @@ void make_odd_exr_seeds(const std::filesystem::path& directory) {
   test::write_exr_parts(directory / "parts.exr", {mask, {"sky", plain, pixels}, tiles});
   test::write_exr_parts(directory / "parts_tiled.exr", {mask, tiles});
   test::write_exr_parts(directory / "parts_deep.exr", {deep, mask});
+}
+
+void make_exr_seeds(const std::filesystem::path& directory) {
+  const std::optional<Imf::TileDescription> tilings[] = {std::nullopt, Imf::TileDescription(8, 8),
+                                                         Imf::TileDescription(5, 3, Imf::MIPMAP_LEVELS),
+                                                         Imf::TileDescription(4, 4, Imf::RIPMAP_LEVELS)};
+  int count = 0;
+  for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression) {
+    for (const auto& tiles : tilings) {
+      for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT}) {
+        test::ExrRecipe recipe{.width = 16,
+                               .height = 8,
+                               .first_column = -3,
+                               .first_row = 5,
+                               .compression = static_cast<Imf::Compression>(compression),
+                               .tiles = tiles,
+                               .channels = test::rgb_channels(type)};
+        if (count % 4 == 3) {
+          recipe.width = 4;
+          recipe.height = 24;
+          recipe.envmap = Imf::ENVMAP_CUBE;
+        }
+        if (count % 5 == 4) {
+          recipe.channels = {{"Y", type}, {"A", Imf::HALF}};
+        }
+        test::write_exr(directory / ("seed" + std::to_string(count++) + ".exr"), recipe,
+                        test::some_pixels(recipe.width, recipe.height));
+      }
+    }
+  }
+  make_odd_exr_seeds(directory);
 }
 
 void make_pfm_seeds(const std::filesystem::path& directory) {
@@ -217,6 +224,11 @@ void make_texture_seeds(const std::filesystem::path& directory, const std::strin
   }
 }
 
+void make_ktx2_seeds(const std::filesystem::path& directory) {
+  make_texture_seeds(directory, ".ktx2");
+  make_astc_seeds(directory);
+}
+
 /// Cubemaps and images, alone and in arrays, of each format.
 void make_ktx1_seeds(const std::filesystem::path& directory) {
   struct Kind {
@@ -228,31 +240,15 @@ void make_ktx1_seeds(const std::filesystem::path& directory) {
                            Kind{0x8C3E, 0x1907, 0x8C3D, 4}, Kind{0x1401, 0x1908, 0x8058, 4}, Kind{0, 0, 0x8E8F, 16}}) {
     for (const std::uint32_t faces : {6U, 1U}) {
       for (const std::uint32_t elements : {0U, 2U}) {
-        std::vector<std::uint32_t> words{0x58544BAB,
-                                         0xBB313120,
-                                         0x0A1A0A0D,
-                                         0x04030201,
-                                         kind.type,
-                                         1,
-                                         kind.format,
-                                         kind.internal,
-                                         kind.format,
-                                         4,
-                                         faces == 6 ? 4U : 2U,
-                                         0,
-                                         elements,
-                                         faces,
-                                         1,
-                                         12,
-                                         6,
-                                         0x65746F6E,
-                                         0x00003100};  // "note", "1"
-        const std::uint32_t texels = kind.type == 0 ? 1 : words[9] * words[10];
-        const std::uint32_t face_bytes = texels * kind.texel_bytes;
-        words.push_back(faces == 6 && elements == 0 ? face_bytes : face_bytes * faces * std::max(elements, 1U));
-        words.resize(words.size() + face_bytes * faces * std::max(elements, 1U) / 4, 0x3C003800);
+        const test::KtxKind shape{kind.type, kind.format, 4, faces == 6 ? 4U : 2U, elements, faces};
+        const std::uint32_t texels = kind.type == 0 ? 1 : shape.width * shape.height;
+        std::vector<std::byte> level;
+        while (level.size() < std::size_t{texels} * kind.texel_bytes * faces * std::max(elements, 1U)) {
+          test::append_value(level, std::uint32_t{0x3C003800});
+        }
+        const std::vector<std::byte> bytes = test::ktx1_bytes(shape, kind.internal, {level}, "1");
         std::ofstream(directory / ("seed" + std::to_string(count++) + ".ktx"), std::ios::binary)
-            .write(reinterpret_cast<const char*>(words.data()), static_cast<std::streamsize>(4 * words.size()));
+            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
       }
     }
   }
@@ -266,8 +262,7 @@ void make_env_seeds(const std::filesystem::path& directory) {
       environment.specular = test::noisy_chain(size, full_chain_levels(size));
       if (irradiance >= 0) environment.polynomial = BabylonPolynomial{};
       if (irradiance > 0) {
-        const Cubemap chain = test::noisy_chain(irradiance, 1);
-        environment.irradiance = {irradiance, {chain.face(0, 0), chain.face(0, 0) + 6 * test::face_values(chain, 0)}};
+        environment.irradiance = test::noisy_chain(irradiance, 1);
         environment.dominant_direction = glm::dvec3(0.0, 1.0, 0.0);
       }
       const std::filesystem::path path = directory / ("seed" + std::to_string(count) + ".env");
@@ -327,37 +322,24 @@ void make_probe_seeds(const std::filesystem::path& directory) {
   }
 }
 
+using Maker = std::function<void(const std::filesystem::path& directory)>;
+
+const std::map<std::string, Maker> kMakers{
+    {"exr", make_exr_seeds},      {"hdr", make_hdr_seeds},
+    {"pfm", make_pfm_seeds},      {"jpeg", make_jpeg_seeds},
+    {"png", make_png_seeds},      {"ktx1", make_ktx1_seeds},
+    {"ktx2", make_ktx2_seeds},    {"dds", [](const auto& directory) { make_texture_seeds(directory, ".dds"); }},
+    {"env", make_env_seeds},      {"sky", make_sky_seeds},
+    {"probes", make_probe_seeds}, {"entry", make_entry_seeds}};
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-  const std::string format = argument_count == 3 ? arguments[1] : "";
-  if (format == "exr") {
-    make_exr_seeds(arguments[2]);
-    make_odd_exr_seeds(arguments[2]);
-  } else if (format == "hdr") {
-    make_hdr_seeds(arguments[2]);
-  } else if (format == "pfm") {
-    make_pfm_seeds(arguments[2]);
-  } else if (format == "jpeg") {
-    make_jpeg_seeds(arguments[2]);
-  } else if (format == "png") {
-    make_png_seeds(arguments[2]);
-  } else if (format == "ktx1") {
-    make_ktx1_seeds(arguments[2]);
-  } else if (format == "ktx2" || format == "dds") {
-    make_texture_seeds(arguments[2], "." + format);
-    if (format == "ktx2") make_astc_seeds(arguments[2]);
-  } else if (format == "env") {
-    make_env_seeds(arguments[2]);
-  } else if (format == "sky") {
-    make_sky_seeds(arguments[2]);
-  } else if (format == "probes") {
-    make_probe_seeds(arguments[2]);
-  } else if (format == "entry") {
-    make_entry_seeds(arguments[2]);
-  } else {
+  const auto maker = kMakers.find(argument_count == 3 ? arguments[1] : "");
+  if (maker == kMakers.end()) {
     std::fputs("usage: fuzz_seeds exr|hdr|jpeg|pfm|png|ktx1|ktx2|dds|env|sky|probes|entry DIRECTORY\n", stderr);
     return 2;
   }
+  maker->second(arguments[2]);
   return 0;
 }

@@ -269,23 +269,29 @@ glm::dvec3 babylon_shader(const EngineLight& light, const glm::dvec3& n) {
          std::sqrt(15.0 / (16.0 * kPi)) * (n.x * n.x - n.y * n.y) * h[8];
 }
 
-// three.js: shGetIrradianceAt.
-glm::dvec3 three_shader(const EngineLight& light, const glm::dvec3& n) {
-  const auto c = nine(light, "coefficients");
-  return 0.886227 * c[0] + 2.0 * 0.511664 * (c[1] * n.y + c[2] * n.z + c[3] * n.x) +
-         2.0 * 0.429043 * (c[4] * n.x * n.y + c[5] * n.y * n.z + c[7] * n.x * n.z) +
-         c[6] * (0.743125 * n.z * n.z - 0.247708) + 0.429043 * c[8] * (n.x * n.x - n.y * n.y);
+// Nine numbers over the basis without signs, each function's constant times the cosine lobe's: of band 2's zonal one
+// the factor of z^2 and what is taken away.
+glm::dvec3 nine_sum(const std::vector<glm::dvec3>& h, const glm::dvec3& n, const double (&c)[6]) {
+  return c[0] * h[0] + c[1] * (h[1] * n.y + h[2] * n.z + h[3] * n.x) +
+         c[2] * (h[4] * n.x * n.y + h[5] * n.y * n.z + h[7] * n.x * n.z) + h[6] * (c[3] * n.z * n.z - c[4]) +
+         c[5] * h[8] * (n.x * n.x - n.y * n.y);
 }
 
-// The same with what its decimals stand for: A(l) times the basis functions' constants.
-glm::dvec3 three_shader_exact(const EngineLight& light, const glm::dvec3& n) {
-  const auto c = nine(light, "coefficients");
+// What the engines' decimals of those stand for.
+glm::dvec3 nine_sum_exact(const std::vector<glm::dvec3>& h, const glm::dvec3& n) {
   const double a1 = 2.0 * kPi / 3.0;
   const double a2 = kPi / 4.0;
-  return kPi * kExact.k0 * c[0] + a1 * kExact.k1 * (c[1] * n.y + c[2] * n.z + c[3] * n.x) +
-         a2 * kExact.k2 * (c[4] * n.x * n.y + c[5] * n.y * n.z + c[7] * n.x * n.z) +
-         c[6] * (3.0 * a2 * kExact.k20 * n.z * n.z - a2 * kExact.k20) +
-         a2 * kExact.k22 * c[8] * (n.x * n.x - n.y * n.y);
+  return nine_sum(
+      h, n, {kPi * kExact.k0, a1 * kExact.k1, a2 * kExact.k2, 3.0 * a2 * kExact.k20, a2 * kExact.k20, a2 * kExact.k22});
+}
+
+// three.js: shGetIrradianceAt.
+glm::dvec3 three_shader(const EngineLight& light, const glm::dvec3& n) {
+  return nine_sum(nine(light, "coefficients"), n,
+                  {0.886227, 2.0 * 0.511664, 2.0 * 0.429043, 0.743125, 0.247708, 0.429043});
+}
+glm::dvec3 three_shader_exact(const EngineLight& light, const glm::dvec3& n) {
+  return nine_sum_exact(nine(light, "coefficients"), n);
 }
 
 // Filament: irradianceSH.
@@ -350,20 +356,12 @@ glm::dvec3 gltf_sum_exact(const EngineLight& light, const glm::dvec3& n) {
   return signed_sum(nine(light, "irradianceCoefficients"), n, kExact);
 }
 
-// Godot: lightmap captures. Its decimals are pi, 2 pi/3, pi/4 times the basis functions' constants.
-glm::dvec3 godot_sum(const EngineLight& light, const glm::dvec3& n, const double (&c)[5]) {
-  const auto sh = nine(light, "sh");
-  return c[0] * sh[0] + c[1] * (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) +
-         c[2] * (sh[4] * n.x * n.y + sh[5] * n.y * n.z + sh[7] * n.x * n.z) + c[3] * sh[6] * (3.0 * n.z * n.z - 1.0) +
-         c[4] * sh[8] * (n.x * n.x - n.y * n.y);
-}
+// Godot: lightmap captures.
 glm::dvec3 godot_shader(const EngineLight& light, const glm::dvec3& n) {
-  return godot_sum(light, n, {0.886227, 1.023327, 0.858086, 0.247708, 0.429043});
+  return nine_sum(nine(light, "sh"), n, {0.886227, 1.023327, 0.858086, 3.0 * 0.247708, 0.247708, 0.429043});
 }
 glm::dvec3 godot_shader_exact(const EngineLight& light, const glm::dvec3& n) {
-  return godot_sum(light, n,
-                   {kPi * kExact.k0, 2.0 * kPi / 3.0 * kExact.k1, kPi / 4.0 * kExact.k2, kPi / 4.0 * kExact.k20,
-                    kPi / 4.0 * kExact.k22});
+  return nine_sum_exact(nine(light, "sh"), n);
 }
 
 struct ShaderCase {

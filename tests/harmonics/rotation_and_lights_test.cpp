@@ -1,7 +1,6 @@
 // Turned harmonics, the one light nearest to them, and the harmonics of a sun.
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "harmonics/rotation.h"
 #include "math/quadrature.h"
 #include "support/catch.h"
 #include "support/coefficients.h"
@@ -103,24 +102,6 @@ TEST_CASE("A cube face's transform is the turn from its frame, for all bands", "
       expected.coefficients()[k] = {canonical[k], canonical[count + k], canonical[2 * count + k]};
     }
     CHECK(relative_error(rotate(local, glm::dmat3(frame.u, frame.v, frame.normal)), expected) < 1e-12);
-  }
-}
-
-TEST_CASE("Every band's matrix is orthogonal to 1e-13", "[sh][turn]") {
-  RandomLight light(10);
-  harmonics::BandRotation matrix(glm::mat3_cast(light.rotation()));
-  for (int l = 1; l < kMaximumBands; ++l) {
-    matrix.advance();
-    double worst = 0.0;
-    for (int a = -l; a <= l; ++a) {
-      for (int b = -l; b <= l; ++b) {
-        double sum = a == b ? -1.0 : 0.0;
-        for (int n = -l; n <= l; ++n) sum += matrix.at(a, n) * matrix.at(b, n);
-        worst = std::max(worst, std::abs(sum));
-      }
-    }
-    CAPTURE(l);
-    CHECK(worst < 1e-13);
   }
 }
 

@@ -9,7 +9,6 @@
 #include "math/quadrature.h"
 #include "support/catch.h"
 #include "support/exr_files.h"
-#include "support/heap.h"
 #include "support/images.h"
 #include "support/random_harmonics.h"
 #include "support/same_bits.h"
@@ -251,16 +250,7 @@ TEST_CASE("Each mip is the mean of the one above over each texel's area", "[mips
   }
 }
 
-TEST_CASE("Tiles of mips allocate nothing", "[mips]") {
-  const TestCubemap map = make_cubemap(Content::high_range, 300, 3, 4);
-  for (const MipFilter filter : kFilters) {
-    forget_allocations_in_tiles();
-    run_with_threads(3, [&] { static_cast<void>(build_mips(map.view(), filter)); });
-    CHECK(allocations_in_tiles() == 0);
-  }
-}
-
-TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
+TEST_CASE("Mips that cannot be are refused", "[mips]") {
   const TestCubemap map = make_cubemap(Content::random, 8, 3, 4);
   CHECK(thrown_by([&] { return build_mips(map.view(), MipFilter::box, 5); }).says("8 texels has 1 to 4"));
   CHECK(thrown_by([&] { return build_mips(map.view(), MipFilter::box, -1); }).code == ErrorCode::invalid_argument);
@@ -270,17 +260,6 @@ TEST_CASE("Mips are refused, stopped and reported upon", "[mips]") {
           fill_mips(none, MipFilter::box);
           return 0;
         }).says("no levels"));
-  stop_source stop;
-  stop.request_stop();
-  CHECK(thrown_by([&] {
-          return build_mips(map.view(), MipFilter::box, std::nullopt, {stop.get_token(), {}});
-        }).code == ErrorCode::cancelled);
-  for (const int levels : {1, 4}) {
-    std::vector<double> shares;
-    (void)build_mips(map.view(), MipFilter::box, levels, {{}, [&](double share) { shares.push_back(share); }});
-    CHECK(std::is_sorted(shares.begin(), shares.end()));
-    CHECK(shares.back() == 1.0);
-  }
 }
 
 // Promise: a turn that takes texels to texels moves every texel as it is, bit for bit.

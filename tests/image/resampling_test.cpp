@@ -8,7 +8,6 @@
 #include "support/catch.h"
 #include "support/coefficients.h"
 #include "support/exr_files.h"
-#include "support/heap.h"
 #include "support/images.h"
 #include "support/same_bits.h"
 #include "support/sun_maps.h"
@@ -224,24 +223,6 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
   }
 }
 
-TEST_CASE("Tiles of resampling by area and bilinearly allocate nothing", "[area]") {
-  const auto check = [](const auto& resample) {
-    resample();  // makes the tables
-    forget_allocations_in_tiles();
-    run_with_threads(3, resample);
-    CHECK(allocations_in_tiles() == 0);
-  };
-  const TestLatLong map = make_lat_long(Content::high_range, 333, 301, 4);
-  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear})
-    check([&] { static_cast<void>(to_cubemap(map.view(), 130, glm::dmat3(1.0), filter)); });
-  for (const int size : {1, 7, 64}) {
-    const Cubemap cube = grey_cubemap(size, 0.1F);
-    check([&] {
-      static_cast<void>(to_lat_long(cube.view(), 4 * size, 2 * size, glm::dmat3(1.0), ResampleFilter::area));
-    });
-  }
-}
-
 TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by area", "[area][slow]") {
   for (const int size : {1, 2, 3, 8, 15, 24}) {
     for (const auto& [width, height] : {std::pair{4 * size, 2 * size}, {7, 3}, {33, 50}, {64, 32}}) {
@@ -341,22 +322,6 @@ TEST_CASE("Rows that are apart, upside down or of another format give the same c
       CHECK(cube_by_area(upside_down, size) == expected);
       CHECK(cube_by_area(rgba, size) == expected);
     }
-  }
-}
-
-TEST_CASE("Resampling by area can be stopped, and reports", "[area]") {
-  const TestLatLong map = make_lat_long(Content::random, 64, 32, 4);
-  stop_source stop;
-  stop.request_stop();
-  for (const ResampleFilter filter : {ResampleFilter::area, ResampleFilter::bilinear}) {
-    CHECK(thrown_by([&] {
-            return to_cubemap(map.view(), 8, glm::dmat3(1.0), filter, {stop.get_token(), {}});
-          }).code == ErrorCode::cancelled);
-    std::vector<double> shares;
-    (void)to_cubemap(map.view(), 8, rotation_about_y(90.0), filter,
-                     {{}, [&](double share) { shares.push_back(share); }});
-    CHECK(std::is_sorted(shares.begin(), shares.end()));
-    CHECK(shares.back() == 1.0);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 
 #include "support/catch.h"
-#include "support/kept_memory.h"
+#include "support/heap.h"
 #include "support/test_environments.h"
 #include "welkin/bake.h"
 

@@ -1,7 +1,7 @@
 // Working memory that stays between calls: what is kept, what is freed, and that nobody reads what nobody wrote.
 #include "platform/memory.h"
 #include "support/catch.h"
-#include "support/kept_memory.h"
+#include "support/heap.h"
 #include "support/process_threads.h"
 #include "welkin/core.h"
 #include "welkin/image.h"

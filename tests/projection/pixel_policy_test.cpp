@@ -60,16 +60,6 @@ TEST_CASE("Options out of range are refused", "[sh]") {
   }
 }
 
-TEST_CASE("A stop request cancels a projection, and the next one works", "[sh]") {
-  const TestCubemap cubemap = make_cubemap(Content::random, 300, 3, 1);
-  stop_source source;
-  source.request_stop();
-  Control control;
-  control.stop = source.get_token();
-  CHECK(thrown_by([&] { static_cast<void>(project(cubemap.view(), {}, control)); }).code == ErrorCode::cancelled);
-  CHECK(project(cubemap.view()).diagnostics.texels == 6 * 300 * 300);
-}
-
 // What is done about NaN, infinities, negatives, gamma and too bright texels, and what is said of it.
 
 namespace {
@@ -86,25 +76,6 @@ float& channel(TestCubemap& cubemap, int face, int row, int column, int c) {
 const int kSizes[] = {1, 7, 64, 200};
 
 }  // namespace
-
-TEST_CASE("A replaced NaN counts as black", "[sh][policy]") {
-  for (const int size : kSizes) {
-    for (const int channels : {3, 4}) {
-      TestCubemap cubemap = make_cubemap(Content::random, size, channels, 1);
-      TestCubemap black = cubemap;
-      int count = 0;
-      for (const int face : {0, 3, 5}) {
-        for (int row = 0; row < size; row += 13, ++count) {
-          channel(cubemap, face, row, size - 1 - row / 2, 1) = kNan;
-          channel(black, face, row, size - 1 - row / 2, 1) = 0.0F;
-        }
-      }
-      const Projection found = project(cubemap.view());
-      CHECK(found.diagnostics.nans_replaced == static_cast<std::uint64_t>(count));
-      CHECK(relative_error(found.radiance, project(black.view()).radiance) < 3e-7);
-    }
-  }
-}
 
 TEST_CASE("Negatives are kept, replaced or rejected", "[sh][policy][truth]") {
   for (const int size : kSizes) {
@@ -145,17 +116,6 @@ TEST_CASE("Of several rejected texels the first by face, row and column is named
   const ProjectionOptions strict{.pixels = {.infinity = NonFinitePolicy::reject}};
   const ThrownError infinite = thrown_by([&] { static_cast<void>(project(lat_long.view(), strict)); });
   CHECK(infinite.says("row 99, column 250 is infinite"));
-}
-
-TEST_CASE("A NaN in alpha matters to nobody", "[sh][policy]") {
-  for (const int size : kSizes) {
-    TestCubemap cubemap = make_cubemap(Content::random, size, 4, 1);
-    const SphericalHarmonics expected = project(cubemap.view()).radiance;
-    for (std::size_t k = 3; k < cubemap.pixels.size(); k += 4) cubemap.pixels[k] = kNan;
-    const Projection found = project(cubemap.view());
-    CHECK(found.diagnostics.nans_replaced == 0);
-    CHECK(same_bits(found.radiance, expected));
-  }
 }
 
 TEST_CASE("A clamp reports what it takes away", "[sh][policy][truth]") {

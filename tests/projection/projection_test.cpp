@@ -88,6 +88,7 @@ TEST_CASE("Lat-longs of any shape project to double precision's result", "[sh][p
     for (const Content content : {Content::random, Content::one_texel_sun}) {
       require_exact(make_lat_long(content, shape[0], shape[1], 9).view(), {});
     }
+    if (shape[0] < 4) require_exact(make_lat_long(Content::random, shape[0], shape[1], 9).view(), {.bands = 16});
   }
 }
 
@@ -107,36 +108,6 @@ TEST_CASE("Every pixel format gives what its values give", "[sh][projection][slo
     require_exact(make_lat_long_half(Content::random, 66, 33, 1, channels).view(), {});
     require_exact(make_lat_long_bytes(Content::random, 66, 33, 1, channels).view(), {});
   }
-}
-
-TEST_CASE("Rows may be padded or stored bottom-up", "[sh][projection]") {
-  const int size = 37;
-  const TestCubemap packed = make_cubemap(Content::random, size, 3, 2);
-  const SphericalHarmonics expected = project(packed.view()).radiance;
-
-  constexpr int padding = 5;  // floats
-  const std::size_t row_floats = static_cast<std::size_t>(3 * size);
-  std::vector<float> padded(6 * static_cast<std::size_t>(size) * (row_floats + padding), -1e30F);
-  std::vector<float> flipped(packed.pixels.size());
-  for (std::size_t row = 0; row < static_cast<std::size_t>(6 * size); ++row) {
-    const std::size_t face = row / static_cast<std::size_t>(size);
-    const std::size_t mirrored = face * static_cast<std::size_t>(size) + static_cast<std::size_t>(size) - 1 -
-                                 row % static_cast<std::size_t>(size);
-    for (std::size_t k = 0; k < row_floats; ++k) {
-      padded[row * (row_floats + padding) + k] = packed.pixels[row * row_floats + k];
-      flipped[mirrored * row_floats + k] = packed.pixels[row * row_floats + k];
-    }
-  }
-  CubemapView padded_view = packed.view();
-  CubemapView flipped_view = packed.view();
-  padded_view.row_stride_bytes = static_cast<std::ptrdiff_t>((row_floats + padding) * sizeof(float));
-  flipped_view.row_stride_bytes = -static_cast<std::ptrdiff_t>(row_floats * sizeof(float));
-  for (std::size_t face = 0; face < 6; ++face) {
-    padded_view.faces[face] = padded.data() + face * static_cast<std::size_t>(size) * (row_floats + padding);
-    flipped_view.faces[face] = flipped.data() + ((face + 1) * static_cast<std::size_t>(size) - 1) * row_floats;
-  }
-  CHECK(same_bits(project(padded_view).radiance, expected));
-  CHECK(same_bits(project(flipped_view).radiance, expected));
 }
 
 TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, for the twin too", "[sh][projection]") {

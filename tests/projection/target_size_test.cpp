@@ -1,5 +1,4 @@
 // Projecting at a smaller size: solid angles of texels, the choice of a level, real environments.
-#include "places.h"
 #include "projection/lat_long_projection.h"
 #include "projection/texel_weights.h"
 #include "reference/reference_projection.h"
@@ -177,16 +176,6 @@ TEST_CASE("A box reduction rejects texels by their own place", "[sh][target][pol
   CHECK(error.says("face -Y, row 70, column 90 is negative"));
 }
 
-TEST_CASE("Progress over several passes rises once", "[sh][target]") {
-  const TestCubemap cubemap = make_cubemap(Content::random, 256, 3, 1);
-  std::vector<double> seen;
-  Control control;
-  control.progress = [&](double share) { seen.push_back(share); };
-  static_cast<void>(project(cubemap.view(), with_target(128, Quadrature::midpoint), control));
-  CHECK(std::is_sorted(seen.begin(), seen.end()));
-  CHECK(seen.back() == 1.0);
-}
-
 TEST_CASE("An uneven chain is refused", "[sh][target]") {
   const Chain chain(16);
   std::vector<CubemapView> views = chain.views;
@@ -200,31 +189,10 @@ TEST_CASE("An uneven chain is refused", "[sh][target]") {
 // The environments of ../shared, where they are: the direct lat-long path against a dense double-precision integral,
 // and against the values that an independent program (numpy, float64) recorded.
 
-namespace {
-
-namespace fs = std::filesystem;
-
-std::vector<fs::path> lat_longs() {
-  std::vector<fs::path> paths;
-  const fs::path folder = fs::path(WELKIN_SHARED) / "hdr" / "env";
-  if (!fs::exists(folder)) {
-    WARN("no real environments: " << folder << " is not there");
-    return paths;
-  }
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const EnvironmentInfo info = inspect_environment(entry.path());
-    if (info.layout == Layout::lat_long && info.width <= 1024) paths.push_back(entry.path());
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
-}
-
-}  // namespace
-
 TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][shared][truth]") {
-  const std::vector<fs::path> paths = lat_longs();
+  const std::vector<std::filesystem::path> paths = shared_lat_longs();
   for (std::size_t k = 0; k < paths.size(); k += static_cast<std::size_t>(stride(3))) {
-    const fs::path& path = paths[k];
+    const std::filesystem::path& path = paths[k];
     const Environment environment = read_environment(path);
     const SphericalHarmonics found = project_file(path).radiance;
     const double error = relative_error(found, reference_projection(environment.lat_long()));
@@ -236,7 +204,7 @@ TEST_CASE("Real lat-longs agree with a dense double-precision integral", "[sh][s
 TEST_CASE("Real lat-longs agree with what an independent program recorded", "[sh][shared]") {
   const auto recorded = recorded_harmonics("radiance SH");  // in the order of l (l + 1) + m
   int compared = 0;
-  for (const fs::path& path : lat_longs()) {
+  for (const std::filesystem::path& path : shared_lat_longs()) {
     const auto at = recorded.find(path.filename().string());
     if (at == recorded.end()) continue;
     ++compared;
@@ -251,7 +219,7 @@ TEST_CASE("Real lat-longs agree with what an independent program recorded", "[sh
     const double width = inspect_environment(path).width;
     CHECK(relative_error(found, truth) < 10.0 / (width * width));
   }
-  if (fs::exists(WELKIN_SHARED)) CHECK(compared > 0);
+  if (shared_images_are_here()) CHECK(compared > 0);
 }
 
 }  // namespace welkin::test

@@ -10,9 +10,7 @@
 
 #include "jobs/tiles.h"
 #include "math/elementary.h"
-#include "platform/float_environment.h"
 #include "reference/path_sampling.h"
-#include "reference/path_shells.h"
 #include "reference/reference_air.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -444,11 +442,11 @@ constexpr std::size_t kParts = 128;  ///< of the paths: errors are told from how
 /// `start(random, weight)` is a path's first place.
 template <class Start>
 TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTracingOptions& options,
-                const Control& control, const Start& start) {
+                const Start& start) {
   std::array<Spectrum, kParts> means{};
   const std::int64_t paths = std::max<std::int64_t>(1, options.paths / static_cast<std::int64_t>(kParts));
   const jobs::Placement placement = jobs::Placement::arena;
-  jobs::run_tiles(kParts, placement, jobs::worker_count(placement), control, [&](std::size_t part, std::size_t) {
+  jobs::run_tiles(kParts, placement, jobs::worker_count(placement), {}, [&](std::size_t part, std::size_t) {
     MonteCarlo::Scratch scratch;
     for (std::int64_t path = 0; path < paths; ++path) {
       PathRandom random(options.seed,
@@ -471,35 +469,21 @@ TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTra
   return light;
 }
 
-void check_arguments(const ReferenceAir& air, double altitude, const dvec3& sun, const PathTracingOptions& options) {
-  sky::check_direction("the sun's direction", sun);
-  if (air.wavelengths() > kMaxWavelengths || !(altitude >= 0.0 && altitude <= air.thickness()) ||
-      options.lowest_order < 1 || options.highest_order < options.lowest_order || options.paths < 2) {
-    throw Error(ErrorCode::invalid_argument,
-                "tracing light needs up to 16 wavelengths, an altitude within the air, rising orders and paths");
-  }
-}
-
 }  // namespace
 
 TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& direction,
-                               const glm::dvec3& sun, const PathTracingOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
+                               const glm::dvec3& sun, const PathTracingOptions& options) {
   const ReferenceAir air(atmosphere);
-  check_arguments(air, altitude_m, sun, options);
-  sky::check_direction("the direction", direction);
   const MonteCarlo tracer(air, sun, options);
   const PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
-  return run(tracer, air.wavelengths(), options, control, [&](PathRandom&, double&) { return index; });
+  return run(tracer, air.wavelengths(), options, [&](PathRandom&, double&) { return index; });
 }
 
 TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
-                                 const PathTracingOptions& options, const Control& control) {
-  const platform::FloatingPointScope floating_point;
+                                 const PathTracingOptions& options) {
   const ReferenceAir air(atmosphere);
-  check_arguments(air, altitude_m, sun, options);
   const MonteCarlo tracer(air, sun, options);
-  return run(tracer, air.wavelengths(), options, control, [&](PathRandom& random, double& weight) {
+  return run(tracer, air.wavelengths(), options, [&](PathRandom& random, double& weight) {
     PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
     weight = tracer.draw_from_sky(index.direction, random);
     return index;

@@ -6,7 +6,6 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "welkin/core.h"
 #include "welkin/sky.h"
 
 namespace welkin {
@@ -29,14 +28,13 @@ struct TracedLight {
 /// every table; the same bits on any number of threads. Each ray of a path gives the sun one chance at a place drawn by
 /// where air scatters that the sun reaches, and goes on from another drawn by where air scatters; under a low sun half
 /// of the directions are drawn towards it. Some 10 microseconds an order and path, on one core; 100 000 paths of orders
-/// two to four give the Earth's zenith to 0.4 % at noon and 1 % at -6 degrees. Throws `Error`: invalid_argument,
-/// cancelled.
+/// two to four give the Earth's zenith to 0.4 % at noon and 1 % at -6 degrees.
 [[nodiscard]] TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                              const glm::dvec3& direction, const glm::dvec3& sun,
-                                             const PathTracingOptions& options = {}, const Control& control = {});
+                                             const PathTracingOptions& options = {});
 
 /// Irradiance on a horizontal surface facing up, likewise, in W/m2/nm.
 [[nodiscard]] TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
-                                               const PathTracingOptions& options = {}, const Control& control = {});
+                                               const PathTracingOptions& options = {});
 
 }  // namespace welkin

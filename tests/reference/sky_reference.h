@@ -5,7 +5,6 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "welkin/core.h"
 #include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
@@ -13,7 +12,7 @@ namespace WELKIN_EXPORT welkin {
 
 /// Transmittance at each of the wavelengths from an altitude along a direction whose cosine with the zenith is
 /// `zenith_cosine`, to the top of the atmosphere; 0 if the ground is in the way. Relative error of the optical
-/// depth below 1e-9. `altitude_m` is 0 to 1e9 (above the top: space). Throws `Error` (invalid_argument).
+/// depth below 1e-9. `altitude_m` is 0 to 1e9 (above the top: space).
 [[nodiscard]] std::vector<double> reference_transmittance(const Atmosphere& atmosphere, double altitude_m,
                                                           double zenith_cosine);
 
@@ -26,7 +25,7 @@ struct ReferenceSkyOptions {
 
 /// Singly scattered sunlight that arrives from `direction` at `altitude_m` (0 to 1e9, space included), at each of the
 /// wavelengths: W/m2/sr/nm. The sun's disc is left out. `direction` and `sun` (towards it) are unit vectors within
-/// 1e-6. Some 0.1 to 1 ms for the Earth. Throws `Error` (invalid_argument).
+/// 1e-6. Some 0.1 to 1 ms for the Earth.
 [[nodiscard]] std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& direction, const glm::dvec3& sun,
                                                          const ReferenceSkyOptions& options = {});
@@ -41,15 +40,13 @@ struct ReferenceHarmonicsOptions {
 /// Radiance coefficients of singly scattered sunlight, without the sun's disc: `reference_sky_radiance` integrated ring
 /// by ring with the places and weights of `SkyQuadrature::gauss_split`, nothing taken out. What tables and projectors
 /// are measured against. Of the Earth's nine at the default setting 1e-5 by day, 1e-4 in twilight (against twice as
-/// many places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads.
-/// Throws `Error`: invalid_argument (also for other than three wavelengths), cancelled.
+/// many places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads. Of
+/// three wavelengths.
 [[nodiscard]] SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& sun,
-                                                         const ReferenceHarmonicsOptions& options = {},
-                                                         const Control& control = {});
+                                                         const ReferenceHarmonicsOptions& options = {});
 
-/// Irradiance of the direct sun on a surface that faces it, at each of the wavelengths: W/m2/nm. Throws `Error`
-/// (invalid_argument).
+/// Irradiance of the direct sun on a surface that faces it, at each of the wavelengths: W/m2/nm.
 [[nodiscard]] std::vector<double> reference_sun_irradiance(const Atmosphere& atmosphere, double altitude_m,
                                                            const glm::dvec3& sun);
 

@@ -1,78 +1,19 @@
 // Prefiltered cubemaps: what the calls promise. How near each mip comes to the truth: prefilter_truth_test.cpp.
 #include "reflections/prefilter.h"
 
-#include "reflections/lobe.h"
 #include "reflections/prefilter_plan.h"
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/chains.h"
-#include "support/coefficients.h"
-#include "support/heap.h"
-#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
-#include "welkin/environment_file.h"
-#include "welkin/projection.h"
 #include "welkin/reflections.h"
 
 namespace welkin::test {
 
-// Promise: no allocation in tiles, cancellation, progress, and errors that say what would do.
-
-TEST_CASE("Nothing is allocated inside tiles", "[specular][prefilter][heap][truth]") {
-  const auto check = [](const EnvironmentView& source, const PrefilterOptions& options) {
-    (void)prefilter_specular(source, options);  // makes the tables
-    forget_allocations_in_tiles();
-    (void)prefilter_specular(source, options);
-    CAPTURE(name(options.method), options.size);
-    CHECK(allocations_in_tiles() == 0);
-  };
-  const TestLatLong large = make_lat_long(Content::one_texel_sun, 256, 128, 3);
-  const TestLatLong small = make_lat_long(Content::one_texel_sun, 64, 32, 3);
-  const TestCubemap cube = make_cubemap(Content::high_range, 32, 3, 3);
-  check(large.view(), {.size = 4, .roughness = {0.3, 0.7}});
-  check(small.view(), {.size = 4, .roughness = {0.3, 0.7}, .method = PrefilterMethod::reference});
-  check(cube.view(), {.size = 32, .roughness = {0.0, 0.2, 0.5, 1.0}});
-}
-
-TEST_CASE("The prefilter can be cancelled at any time", "[specular][prefilter]") {
-  const TestLatLong source = make_lat_long(Content::random, 64, 32, 3);
-  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
-    for (const double when : {0.0, 0.02, 0.3, 0.6, 0.9}) {
-      CAPTURE(name(method), when);
-      stop_source stop;
-      Control control{stop.get_token(), [&](double share) {
-                        if (share >= when) stop.request_stop();
-                      }};
-      if (when == 0.0) stop.request_stop();
-      PrefilterOptions options{.size = 4, .method = method};
-      CHECK(thrown_by([&] { (void)prefilter_specular(source.view(), options, control); }).code == ErrorCode::cancelled);
-    }
-  }
-}
-
-TEST_CASE("Progress rises to 1", "[specular][prefilter]") {
-  const TestLatLong source = make_lat_long(Content::random, 256, 128, 3);
-  for (const PrefilterMethod method : {PrefilterMethod::automatic, PrefilterMethod::reference}) {
-    double last = 0.0;
-    bool fell = false;
-    std::atomic<int> inside{0};
-    bool together = false;
-    const Control control{{}, [&](double share) {
-                            together = together || inside.fetch_add(1) != 0;
-                            fell = fell || share < last;
-                            last = share;
-                            inside.fetch_sub(1);
-                          }};
-    PrefilterOptions options{.size = method == PrefilterMethod::reference ? 4 : 32, .method = method};
-    (void)prefilter_specular(source.view(), options, control);
-    CHECK(last == 1.0);
-    CHECK_FALSE(fell);
-    CHECK_FALSE(together);
-  }
-}
+// Promise: records of what was done, and errors that say what would do.
 
 TEST_CASE("Records say how each mip was made", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::one_texel_sun, 256, 128, 3);
@@ -163,25 +104,6 @@ TEST_CASE("A uniform cubemap keeps its value in every mip, whatever the sizes", 
       for (int level = 0; level < result.cubemap.levels(); ++level)
         CHECK(largest_deviation(result.cubemap, level, source.pixels) < 2e-4);
     }
-  }
-}
-
-TEST_CASE("Radiance of 1e24 is blurred as that of 1", "[specular][prefilter]") {
-  const TestLatLong one = make_lat_long(Content::high_range, 64, 32, 5);
-  TestLatLong huge = one;
-  for (float& value : huge.pixels) value = std::ldexp(value, 80);
-  PrefilterOptions options = PrefilterOptions::at(Quality::fast);
-  options.size = 16;
-  const PrefilteredSpecular expected = prefilter_specular(one.view(), options);
-  const PrefilteredSpecular result = prefilter_specular(huge.view(), options);
-  for (std::size_t level = 0; level < result.mips.size(); ++level) {
-    CAPTURE(level);
-    CHECK(result.mips[level].method == expected.mips[level].method);
-    CHECK(*result.mips[level].error_estimate == Approx(*expected.mips[level].error_estimate));
-    const auto values = level_values(result.cubemap, static_cast<int>(level));
-    const auto wanted = level_values(expected.cubemap, static_cast<int>(level));
-    for (std::size_t k = 0; k < values.size(); ++k)
-      REQUIRE(std::ldexp(values[k], -80) == Approx(wanted[k]).epsilon(1e-6));
   }
 }
 

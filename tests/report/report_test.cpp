@@ -2,20 +2,35 @@
 
 #include <nlohmann/json.hpp>
 
-#include "report/made_up_report.h"
 #include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
 
 using namespace welkin::report;
-using welkin::test::point;
 using namespace welkin;
-using welkin::test::made_up_report;
 
 // The front is what nothing beats; a recommendation is on it and meets its target.
 
 namespace {
+
+/// A small report whose figures are chosen, not measured.
+Measurement point(const std::string& setting, double error, double seconds, const std::string& peer = "",
+                  const std::string& pass = "one") {
+  return {pass, "method", setting, error, 3.0 * error, seconds, "the truth", peer};
+}
+
+Report made_up_report() {
+  Report report;
+  report.machine = {"a processor", "a compiler", "avx2", "0.1.0", "CPU time", "2026-11-22T00:00:00Z", 1};
+  report.scale = "quick";
+  report.environment = "a light";
+  report.passes = {{"one", "The first", "What is done.", "What rms is."}, {"two", "The second", "Else.", "Else."}};
+  report.measurements = {point("coarse", 2e-2, 1e-6), point("fine", 5e-4, 1e-4), point("bad", 3e-2, 1e-3),
+                         point("theirs", 1e-5, 1e-7, "Another 1.2"), point("only", 4e-3, 2.0, "", "two")};
+  report.notes = {"A note."};
+  return report;
+}
 
 bool beats(const Measurement& a, const Measurement& b) {
   return a.error_rms <= b.error_rms && a.seconds <= b.seconds && (a.error_rms < b.error_rms || a.seconds < b.seconds);
@@ -91,7 +106,7 @@ TEST_CASE("report: of settings that noise cannot tell apart the most exact one i
 }
 
 TEST_CASE("report: each pass has a recommendation for each target", "[report]") {
-  const auto all = recommendations(welkin::test::made_up_report());
+  const auto all = recommendations(made_up_report());
   REQUIRE(all.size() == 8);
   CHECK(all[0].setting->setting == "fine");    // 0.1 %
   CHECK(all[3].setting->setting == "coarse");  // 5 %
@@ -181,7 +196,7 @@ TEST_CASE("report: peers do not regress, and a newer one is still the same", "[r
 TEST_CASE("report: settings that are gone or new are named, within passes that both have", "[report]") {
   Report after = made_up_report();
   after.measurements.erase(after.measurements.begin() + 1);
-  after.measurements.push_back(test::point("another", 1e-3, 1e-3));
+  after.measurements.push_back(point("another", 1e-3, 1e-3));
   const Comparison found = compare(made_up_report(), after);
   REQUIRE(found.gone.size() == 1);
   CHECK(found.gone[0].setting == "fine");

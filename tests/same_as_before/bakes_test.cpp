@@ -162,14 +162,12 @@ TEST_CASE("Planned bakes are the same as before", "[same_as_before]") {
   const Cubemap cube = cube_image();
   std::vector<NamedResult> results;
   for (const NamedNeeds& scene : scenes()) {
-    std::string name = "lat_long_";
-    name += scene.name;
-    results.emplace_back(
-        name, [&wide, needs = scene.needs] { return bake(wide.view(), plan(wide.view(), needs, small_bake())); });
-    name = "cubemap_";
-    name += scene.name;
-    results.emplace_back(
-        name, [&cube, needs = scene.needs] { return bake(cube.view(), plan(cube.view(), needs, small_bake())); });
+    results.emplace_back(joined("lat_long_", scene.name), [&wide, needs = scene.needs] {
+      return bake(wide.view(), plan(wide.view(), needs, small_bake()));
+    });
+    results.emplace_back(joined("cubemap_", scene.name), [&cube, needs = scene.needs] {
+      return bake(cube.view(), plan(cube.view(), needs, small_bake()));
+    });
   }
   require_as_recorded("planned_bake", results);
 }
@@ -180,10 +178,7 @@ TEST_CASE("Bakes of files are the same as before", "[same_as_before]") {
   for (const char* file_name : {"wide.pfm", "wide.hdr", "light.env", "cube.ktx2", "plain.ktx2"}) {
     results.emplace_back(file_name, [&files, file_name] { return bake_file(files.path(file_name), {}, small_bake()); });
     for (const NamedNeeds& scene : {scenes()[0], scenes()[1], scenes()[3]}) {
-      std::string name = file_name;
-      name += '_';
-      name += scene.name;
-      results.emplace_back(name, [&files, file_name, needs = scene.needs] {
+      results.emplace_back(joined(file_name, '_', scene.name), [&files, file_name, needs = scene.needs] {
         return bits_of_plan(inspect_stored_environment(files.path(file_name)), needs);
       });
     }
@@ -229,62 +224,31 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
   const PrefilterOptions specular{.size = 8, .roughness = {0.0, 0.4, 1.0}};
   const auto once = Repeats::once;  // a worker has threads of its own
   Worker worker({.threads = 2, .thread_priority = ThreadPriority::normal});
-  const auto done = [&worker](auto request) { return worker.post(std::move(request)).get(); };
+  const auto done = [&worker](const auto& request) {
+    return [&worker, request] {
+      auto posted = request;
+      return worker.post(std::move(posted)).get();
+    };
+  };
   require_as_recorded("worker",
                       {
-                          {"project_cubemap",
-                           [&] {
-                             return done(Project{cube, {.bands = 4}});
-                           },
-                           once},
-                          {"project_lat_long",
-                           [&] {
-                             return done(Project{wide, {.bands = 4}});
-                           },
-                           once},
-                          {"project_file", [&] { return done(ProjectFile{files.path("wide.pfm")}); }, once},
-                          {"read_file", [&] { return done(ReadFile{files.path("cube.ktx2")}); }, once},
-                          {"measure_file", [&] { return done(MeasureFile{files.path("wide.hdr")}); }, once},
-                          {"lat_long_to_cubemap",
-                           [&] {
-                             return done(ToCubemap{wide, 11});
-                           },
-                           once},
-                          {"cubemap_to_cubemap",
-                           [&] {
-                             return done(ToCubemap{cube, 9});
-                           },
-                           once},
-                          {"cubemap_to_lat_long",
-                           [&] {
-                             return done(ToLatLong{cube, 30, 15});
-                           },
-                           once},
-                          {"bake",
-                           [&] {
-                             return done(Bake{EnvironmentSource(wide), small_bake()});
-                           },
-                           once},
-                          {"bake_file",
-                           [&] {
-                             return done(BakeFile{files.path("light.env"), {}, small_bake()});
-                           },
-                           once},
-                          {"precompute_sky",
-                           [&] {
-                             return done(PrecomputeSky{mars(), tiny_tables()});
-                           },
-                           once},
+                          {"project_cubemap", done(Project{cube, {.bands = 4}}), once},
+                          {"project_lat_long", done(Project{wide, {.bands = 4}}), once},
+                          {"project_file", done(ProjectFile{files.path("wide.pfm")}), once},
+                          {"read_file", done(ReadFile{files.path("cube.ktx2")}), once},
+                          {"measure_file", done(MeasureFile{files.path("wide.hdr")}), once},
+                          {"lat_long_to_cubemap", done(ToCubemap{wide, 11}), once},
+                          {"cubemap_to_cubemap", done(ToCubemap{cube, 9}), once},
+                          {"cubemap_to_lat_long", done(ToLatLong{cube, 30, 15}), once},
+                          {"bake", done(Bake{EnvironmentSource(wide), small_bake()}), once},
+                          {"bake_file", done(BakeFile{files.path("light.env"), {}, small_bake()}), once},
+                          {"precompute_sky", done(PrecomputeSky{mars(), tiny_tables()}), once},
                           {"sky_curve",
                            [&] {
-                             return done(BakeSkyCurve{tables, 100.0, curve}).at(sun);
+                             return done(BakeSkyCurve{tables, 100.0, curve})().at(sun);
                            },
                            once},
-                          {"sky_specular",
-                           [&] {
-                             return done(SkySpecular{tables, 100.0, sun, specular});
-                           },
-                           once},
+                          {"sky_specular", done(SkySpecular{tables, 100.0, sun, specular}), once},
                           {"continuation",
                            [&] {
                              return worker.post(Project{wide})
@@ -294,7 +258,7 @@ TEST_CASE("Results of a worker are the same as before", "[same_as_before]") {
                            once},
                           {"sky_light", [&] { return bits_of_sky_light(worker, tables, curve, specular); }, once},
                       });
-  CHECK(bits_of(*done(Bake{EnvironmentSource(wide), small_bake()})) == bits_of(bake(wide->view(), small_bake())));
+  CHECK(bits_of(*done(Bake{EnvironmentSource(wide), small_bake()})()) == bits_of(bake(wide->view(), small_bake())));
 }
 
 }  // namespace welkin::test

@@ -210,25 +210,19 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
   std::vector<NamedResult> results;
   for (const auto& [format_name, format] : kFormats) {
     for (const auto& [file_name, kind] : {std::pair{"a.ktx2", "ktx2_"}, std::pair{"a.dds", "dds_"}}) {
-      std::string name = kind;
-      name += format_name;
-      results.emplace_back(name, [&chain, file_name = file_name, format = format] {
+      results.emplace_back(joined(kind, format_name), [&chain, file_name = file_name, format = format] {
         return texture_bytes(file_name, chain, {.format = format});
       });
-      name += "_odd";
-      results.emplace_back(name, [&odd, file_name = file_name, format = format] {
+      results.emplace_back(joined(kind, format_name, "_odd"), [&odd, file_name = file_name, format = format] {
         return texture_bytes(file_name, odd, {.format = format});
       });
-      name += "_back";
-      results.emplace_back(name, [&odd, file_name = file_name, format = format] {
+      results.emplace_back(joined(kind, format_name, "_odd_back"), [&odd, file_name = file_name, format = format] {
         return texture_back(file_name, odd, {.format = format});
       });
     }
     for (const auto& [packing, method] :
          {std::pair{"ktx2_zlib_back_", Supercompression::zlib}, std::pair{"ktx2_zstd_back_", Supercompression::zstd}}) {
-      std::string name = packing;
-      name += format_name;
-      results.emplace_back(name, [&chain, format = format, method = method] {
+      results.emplace_back(joined(packing, format_name), [&chain, format = format, method = method] {
         return texture_back("a.ktx2", chain, {.format = format, .supercompression = method});
       });
     }
@@ -266,9 +260,7 @@ TEST_CASE("Bytes and texels of textures are the same as before", "[same_as_befor
     return texture_bytes("a.ktx2", chain, {.metadata = {{"welkin.roughness", "0 0.25 0.5 0.75 1"}, {"b", "c"}}});
   });
   for (const char* file_name : {"table.ktx2", "table.dds"}) {
-    std::string name = "two_dimensional_";
-    name += file_name;
-    results.emplace_back(name, [&square, file_name] {
+    results.emplace_back(joined("two_dimensional_", file_name), [&square, file_name] {
       return bytes_of(file_name, [&](const auto& path) { write_texture_2d(path, 25, 6, square.face(0)); });
     });
   }

@@ -33,6 +33,12 @@ PrefilterOptions bounded(double rms, double maximum) {
   return options;
 }
 
+/// Prefilters an image that lives as long.
+template <class Image>
+auto prefiltered(const Image& image, const PrefilterOptions& options) {
+  return [&image, options] { return prefilter_specular(image.view(), options); };
+}
+
 /// Some mips at the ends are not made, as where a cache holds them.
 PrefilteredSpecular prefiltered_without(const EnvironmentView& view, const PrefilterOptions& options, int sharp,
                                         int rough) {
@@ -96,11 +102,8 @@ TEST_CASE("Mip chains are the same as before", "[same_as_before]") {
   for (const auto& [filter_name, filter] :
        {std::pair{"box_", MipFilter::box}, std::pair{"solid_angle_", MipFilter::solid_angle}}) {
     for (const int size : {1, 7, 64, 97}) {
-      std::string name = filter_name;
-      name += std::to_string(size);
-      results.emplace_back(name, [cube = make_cubemap(Content::high_range, size, 4, 47), filter = filter] {
-        return build_mips(cube.view(), filter);
-      });
+      results.emplace_back(joined(filter_name, size), [cube = make_cubemap(Content::high_range, size, 4, 47),
+                                                       filter = filter] { return build_mips(cube.view(), filter); });
     }
   }
   const TestCubemapHalf half = make_cubemap_half(Content::random, 30, 3, 48);
@@ -123,34 +126,20 @@ TEST_CASE("Prefiltered specular of lat-longs is the same as before", "[same_as_b
   require_as_recorded(
       "prefilter_lat_long",
       {
-          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); }},
-          {"filament_32",
-           [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::filament, 32, 5)); }},
-          {"babylon_64", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 64, 7)); },
-           Repeats::once},
-          {"default_schedule_8", [&] { return prefilter_specular(smooth.view(), {.size = 8}); }},
-          {"odd_19", [&] { return prefilter_specular(texel.view(), scheduled(RoughnessSchedule::linear, 19, 4)); }},
+          {"linear_32", prefiltered(sunny, scheduled(RoughnessSchedule::linear, 32, 6))},
+          {"filament_32", prefiltered(sunny, scheduled(RoughnessSchedule::filament, 32, 5))},
+          {"babylon_64", prefiltered(half, scheduled(RoughnessSchedule::babylon, 64, 7)), Repeats::once},
+          {"default_schedule_8", prefiltered(smooth, {.size = 8})},
+          {"odd_19", prefiltered(texel, scheduled(RoughnessSchedule::linear, 19, 4))},
           {"left_out",
            [&] { return prefiltered_without(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 5), 2, 1); }},
-          {"clamped", [&] { return prefilter_specular(special.view(), clamped); }},
-          {"loose_bounds", [&] { return prefilter_specular(sunny.view(), bounded(3e-2, 0.3)); }},
-          {"tight_bounds", [&] { return prefilter_specular(smooth.view(), bounded(1e-4, 1e-3)); }},
-          {"spectral_sun",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}));
-           }},
-          {"spectral_texel",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(spectral, 16, {0.25, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(texel.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(smooth.view(), prefilter(reference, 4, {0.0, 0.3, 1.0}));
-           }},
+          {"clamped", prefiltered(special, clamped)},
+          {"loose_bounds", prefiltered(sunny, bounded(3e-2, 0.3))},
+          {"tight_bounds", prefiltered(smooth, bounded(1e-4, 1e-3))},
+          {"spectral_sun", prefiltered(sunny, prefilter(spectral, 16, {0.2, 0.3, 0.5, 0.8, 1.0}))},
+          {"spectral_texel", prefiltered(texel, prefilter(spectral, 16, {0.25, 0.6, 1.0}))},
+          {"narrow", prefiltered(texel, prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}))},
+          {"reference", prefiltered(smooth, prefilter(reference, 4, {0.0, 0.3, 1.0}))},
           {"reference_at_directions",
            [&] {
              return bits_of(reference_specular(texel.view(), 0.3, directions()),
@@ -169,25 +158,14 @@ TEST_CASE("Prefiltered specular of cubemaps is the same as before", "[same_as_be
   require_as_recorded(
       "prefilter_cubemap",
       {
-          {"linear_32", [&] { return prefilter_specular(sunny.view(), scheduled(RoughnessSchedule::linear, 32, 6)); },
-           Repeats::once},
-          {"filament_16",
-           [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::filament, 16, 4)); }},
-          {"babylon_16", [&] { return prefilter_specular(half.view(), scheduled(RoughnessSchedule::babylon, 16, 5)); }},
-          {"odd_11", [&] { return prefilter_specular(odd.view(), scheduled(RoughnessSchedule::linear, 11, 3)); }},
+          {"linear_32", prefiltered(sunny, scheduled(RoughnessSchedule::linear, 32, 6)), Repeats::once},
+          {"filament_16", prefiltered(half, scheduled(RoughnessSchedule::filament, 16, 4))},
+          {"babylon_16", prefiltered(half, scheduled(RoughnessSchedule::babylon, 16, 5))},
+          {"odd_11", prefiltered(odd, scheduled(RoughnessSchedule::linear, 11, 3))},
           {"left_out", [&] { return prefiltered_without(half.view(), four, 1, 0); }},
-          {"spectral",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(spectral, 8, {0.3, 0.6, 1.0}));
-           }},
-          {"narrow",
-           [&] {
-             return prefilter_specular(sunny.view(), prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}));
-           }},
-          {"reference",
-           [&] {
-             return prefilter_specular(half.view(), prefilter(reference, 4, {0.0, 0.2, 0.7}));
-           }},
+          {"spectral", prefiltered(sunny, prefilter(spectral, 8, {0.3, 0.6, 1.0}))},
+          {"narrow", prefiltered(sunny, prefilter(PrefilterMethod::automatic, 16, {0.002, 0.02, 0.05}))},
+          {"reference", prefiltered(half, prefilter(reference, 4, {0.0, 0.2, 0.7}))},
           {"reference_at_directions", [&] { return reference_specular(sunny.view(), 0.2, directions()); }},
       });
 }
@@ -215,14 +193,10 @@ TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
                                           std::pair{"multiple_scattering", BrdfModel::multiple_scattering}}) {
     for (const bool sheen : {false, true}) {
       for (const auto& [width, height] : {std::pair{1, 1}, {9, 7}, {32, 32}}) {
-        std::string name = model_name;
-        name += sheen ? "_sheen_" : "_";
-        name += std::to_string(width);
-        name += 'x';
-        name += std::to_string(height);
         const BrdfTableOptions options{width, height, model, sheen};
         results.emplace_back(
-            name, [options] { return brdf_table(options); }, Repeats::once);
+            joined(model_name, sheen ? "_sheen_" : "_", width, 'x', height), [options] { return brdf_table(options); },
+            Repeats::once);
       }
     }
   }

@@ -24,34 +24,6 @@ SphericalHarmonics lit(int bands) {
              point_light(glm::normalize(glm::dvec3(0.3, 0.8, -0.5)), {5.0, 4.0, 3.0}, bands));
 }
 
-std::uint64_t bits_of_window(int bands, Window window, double width = 0.0) {
-  const WindowResult w = apply_window(lit(bands), window, width);
-  return bits_of(w.radiance, w.parameter, w.minimum_before, w.minimum_after, w.factors);
-}
-
-std::uint64_t bits_of_minimum(const SphericalHarmonics& light) {
-  const HarmonicMinimum least = minimum(light);
-  return bits_of(least.value, least.direction[0], least.direction[1], least.direction[2]);
-}
-
-std::uint64_t bits_of_dominant_light(const SphericalHarmonics& radiance) {
-  const std::optional<DominantLight> light = dominant_light(radiance);
-  return light ? bits_of(light->direction, light->irradiance) : bits_of(0);
-}
-
-std::uint64_t bits_of_engine(const EngineLight& light) {
-  BitHash hash;
-  for (const EngineTerm& term : light.terms) {
-    add_bits(hash, term.name);
-    add_bits(hash, term.rgb);
-  }
-  for (const EngineVector& vector : light.vectors) {
-    add_bits(hash, vector.name);
-    add_bits(hash, vector.value);
-  }
-  return hash.value();
-}
-
 std::vector<glm::dvec3> normals() {
   RandomLight random(21);
   std::vector<glm::dvec3> result{{1, 0, 0}, {0, 1, 0}, {0, 0, -2}, {0, -1, 0}};
@@ -61,11 +33,7 @@ std::vector<glm::dvec3> normals() {
 
 std::uint64_t bits_of_errors(const std::vector<IrradianceError>& errors) {
   BitHash hash;
-  for (const IrradianceError& error : errors) {
-    add_bits(hash, error.bands);
-    for (const double number : {error.rms, error.maximum, error.relative}) add_bits(hash, number);
-    add_bits(hash, error.worst_normal);
-  }
+  for (const IrradianceError& error : errors) add_bits(hash, error);
   return hash.value();
 }
 
@@ -112,23 +80,20 @@ TEST_CASE("The algebra of harmonics is the same as before", "[same_as_before]") 
                        {"rotate_16", [&] { return rotate(harmonics(16, 7), rotation); }},
                        {"transform_mirror", [&] { return rotate(harmonics(6, 8), mirror); }},
                        {"add", [] { return add(harmonics(3, 9), harmonics(5, 10)); }},
-                       {"scale",
-                        [] {
-                          return scale(harmonics(4, 11), {0.1, 2.0, 0.7});
-                        }},
+                       {"scale", [] { return scale(harmonics(4, 11), glm::dvec3(0.1, 2.0, 0.7)); }},
                        {"lerp", [] { return lerp(harmonics(4, 12), harmonics(2, 13), 0.3); }},
                        {"resized", [] { return bits_of(resized(harmonics(4, 14), 2), resized(harmonics(2, 15), 5)); }},
                        {"product", [] { return product(harmonics(3, 16), harmonics(4, 17)); }},
                        {"product_cut", [] { return product(harmonics(8, 18), harmonics(8, 19), 3); }},
-                       {"window_hanning", [] { return bits_of_window(6, Window::hanning); }},
-                       {"window_lanczos", [] { return bits_of_window(5, Window::lanczos, 7.5); }},
-                       {"window_least_3", [] { return bits_of_window(3, Window::min_laplacian); }},
-                       {"window_least_9", [] { return bits_of_window(9, Window::min_laplacian); }},
-                       {"minimum_3", [] { return bits_of_minimum(harmonics(3, 20)); }},
-                       {"minimum_8", [] { return bits_of_minimum(harmonics(8, 21)); }},
-                       {"minimum_of_a_ring", [] { return bits_of_minimum(irradiance_from_radiance(lit(4))); }},
-                       {"dominant_light_3", [] { return bits_of_dominant_light(lit(3)); }},
-                       {"dominant_light_2", [] { return bits_of_dominant_light(lit(2)); }},
+                       {"window_hanning", [] { return apply_window(lit(6), Window::hanning); }},
+                       {"window_lanczos", [] { return apply_window(lit(5), Window::lanczos, 7.5); }},
+                       {"window_least_3", [] { return apply_window(lit(3), Window::min_laplacian); }},
+                       {"window_least_9", [] { return apply_window(lit(9), Window::min_laplacian); }},
+                       {"minimum_3", [] { return minimum(harmonics(3, 20)); }},
+                       {"minimum_8", [] { return minimum(harmonics(8, 21)); }},
+                       {"minimum_of_a_ring", [] { return minimum(irradiance_from_radiance(lit(4))); }},
+                       {"dominant_light_3", [] { return dominant_light(lit(3)).value(); }},
+                       {"dominant_light_2", [] { return dominant_light(lit(2)).value(); }},
                        {"sun_harmonics_disc",
                         [] {
                           Sun sun;
@@ -164,12 +129,9 @@ TEST_CASE("Engines' forms of light are the same as before", "[same_as_before]") 
   };
   for (const Convention& c : conventions()) {
     if (!has_engine_light(c.engine)) continue;
-    results.emplace_back(c.name,
-                         [engine = c.engine] { return bits_of_engine(engine_light(harmonics(4, 24), engine)); });
-    std::string name = c.name;
-    name += "_in_place";
-    results.emplace_back(
-        name, [engine = c.engine] { return bits_of_engine(engine_light_unrotated(harmonics(2, 25), engine)); });
+    results.emplace_back(c.name, [engine = c.engine] { return engine_light(harmonics(4, 24), engine); });
+    results.emplace_back(joined(c.name, "_in_place"),
+                         [engine = c.engine] { return engine_light_unrotated(harmonics(2, 25), engine); });
   }
   require_as_recorded("engine_light", results);
 }
@@ -187,14 +149,8 @@ TEST_CASE("Irradiance is the same as before", "[same_as_before]") {
           {"direct_cubemap_of_special_values", [&] { return direct_irradiance(odd.view(), normals(), clamped); }},
           {"direct_lat_long", [&] { return direct_irradiance(wide.view(), normals()); }},
           {"direct_lat_long_f16", [&] { return direct_irradiance(half.view(), normals(), clamped); }},
-          {"reference_cubemap",
-           [&] {
-             return direct_irradiance(cube.view(), {0.6, 0.0, 0.8});
-           }},
-          {"reference_lat_long",
-           [&] {
-             return direct_irradiance(wide.view(), {0.6, 0.0, 0.8});
-           }},
+          {"reference_cubemap", [&] { return direct_irradiance(cube.view(), glm::dvec3(0.6, 0.0, 0.8)); }},
+          {"reference_lat_long", [&] { return direct_irradiance(wide.view(), glm::dvec3(0.6, 0.0, 0.8)); }},
           {"errors_cubemap",
            [&] {
              return bits_of_errors(irradiance_errors(cube.view(), project(cube.view(), {.bands = 5}).radiance, 60));

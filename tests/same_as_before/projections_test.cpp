@@ -13,19 +13,6 @@
 namespace welkin::test {
 namespace {
 
-std::string numbered(const char* what, int number) {
-  std::string text = what;
-  text += std::to_string(number);
-  return text;
-}
-
-std::string sized(const char* what, int width, int height) {
-  std::string text = numbered(what, width);
-  text += 'x';
-  text += std::to_string(height);
-  return text;
-}
-
 template <class View>
 View with_format(View view, PixelFormat format) {
   view.format = format;
@@ -102,8 +89,7 @@ TEST_CASE("Projections of every pixel format under every policy are the same as 
   };
   const auto add_kind = [&](const std::string& name, const auto& cubemap, const auto& lat_long, bool srgb) {
     for (const int channels : {3, 4}) {
-      std::string start = channels == 3 ? "rgb" : "rgba";
-      start += name;
+      const std::string start = joined(channels == 3 ? "rgb" : "rgba", name);
       for (const NamedShape& shape : kCubemaps) {
         const auto image = std::make_shared<decltype(cubemap(kContent, 1, 3, 0))>(
             cubemap(kContent, shape.size, channels, channels == 3 ? 1U : 2U));
@@ -129,20 +115,15 @@ TEST_CASE("Projections of every size are the same as before", "[same_as_before]"
   for (const auto& [quadrature_name, quadrature] : kQuadratures) {
     const ProjectionOptions options{.bands = 4, .quadrature = quadrature};
     for (const int size : {1, 2, 3, 7, 64, 257}) {
-      std::string name = numbered("cubemap_", size);
-      name += '_';
-      name += quadrature_name;
-      results.emplace_back(name, [cube = make_cubemap(Content::sun_disc, size, 4, 7), options] {
-        return project(cube.view(), options);
-      });
+      results.emplace_back(
+          joined("cubemap_", size, '_', quadrature_name),
+          [cube = make_cubemap(Content::sun_disc, size, 4, 7), options] { return project(cube.view(), options); });
     }
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {3, 2}, {7, 9}, {64, 32}, {257, 129}, {512, 256}}) {
-      std::string name = sized("lat_long_", width, height);
-      name += '_';
-      name += quadrature_name;
-      results.emplace_back(name, [wide = make_lat_long(Content::sun_disc, width, height, 8), options] {
-        return project(wide.view(), options);
-      });
+      results.emplace_back(joined("lat_long_", width, 'x', height, '_', quadrature_name),
+                           [wide = make_lat_long(Content::sun_disc, width, height, 8), options] {
+                             return project(wide.view(), options);
+                           });
     }
   }
   require_as_recorded("projection_size", results);
@@ -153,12 +134,10 @@ TEST_CASE("Projections to every number of bands are the same as before", "[same_
   const TestLatLong wide = make_lat_long(Content::high_range, 65, 33, 10);
   std::vector<NamedResult> results;
   for (const int bands : {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 16}) {
-    results.emplace_back(numbered("cubemap_", bands),
-                         [&cube, bands] { return project(cube.view(), {.bands = bands}); });
+    results.emplace_back(joined("cubemap_", bands), [&cube, bands] { return project(cube.view(), {.bands = bands}); });
   }
   for (const int bands : {1, 2, 3, 6, 10, 16}) {
-    results.emplace_back(numbered("lat_long_", bands),
-                         [&wide, bands] { return project(wide.view(), {.bands = bands}); });
+    results.emplace_back(joined("lat_long_", bands), [&wide, bands] { return project(wide.view(), {.bands = bands}); });
   }
   results.emplace_back("cubemap_10_midpoint",
                        [&] { return project(cube.view(), {.bands = 10, .quadrature = Quadrature::midpoint}); });
@@ -168,16 +147,14 @@ TEST_CASE("Projections to every number of bands are the same as before", "[same_
 TEST_CASE("Projections under every policy are the same as before", "[same_as_before]") {
   std::vector<NamedResult> results;
   for (const NamedOptions& policy : policies()) {
-    std::string name = "cubemap_";
-    name += policy.name;
-    results.emplace_back(name, [cube = make_cubemap(policy.content, 41, 4, 11), options = policy.options] {
-      return project(cube.view(), options);
-    });
-    name = "lat_long_";
-    name += policy.name;
-    results.emplace_back(name, [wide = make_lat_long(policy.content, 90, 47, 12), options = policy.options] {
-      return project(wide.view(), options);
-    });
+    results.emplace_back(joined("cubemap_", policy.name),
+                         [cube = make_cubemap(policy.content, 41, 4, 11), options = policy.options] {
+                           return project(cube.view(), options);
+                         });
+    results.emplace_back(joined("lat_long_", policy.name),
+                         [wide = make_lat_long(policy.content, 90, 47, 12), options = policy.options] {
+                           return project(wide.view(), options);
+                         });
   }
   require_as_recorded("projection_policy", results);
 }
@@ -193,20 +170,12 @@ TEST_CASE("Projections at a target size and of mip chains are the same as before
     for (const int target : {1, 16, 20, 200}) {
       const ProjectionOptions options{
           .quadrature = quadrature, .target_size = target, .pixels = {.clamp = RadianceClamp{}}};
-      std::string end = numbered("_to_", target);
-      end += '_';
-      end += quadrature_name;
+      const std::string end = joined("_to_", target, '_', quadrature_name);
       for (const auto& [kind, view] : {std::pair{"cubemap", cube.view()}, {"odd_cubemap", odd.view()}}) {
-        std::string name = kind;
-        name += end;
-        results.emplace_back(name, [view = view, options] { return project(view, options); });
+        results.emplace_back(kind + end, [view = view, options] { return project(view, options); });
       }
-      std::string name = "lat_long";
-      name += end;
-      results.emplace_back(name, [&wide, options] { return project(wide.view(), options); });
-      name = "mips";
-      name += end;
-      results.emplace_back(name, [&levels, options] { return project(std::span(levels), options); });
+      results.emplace_back("lat_long" + end, [&wide, options] { return project(wide.view(), options); });
+      results.emplace_back("mips" + end, [&levels, options] { return project(std::span(levels), options); });
     }
   }
   require_as_recorded("projection_target", results);

@@ -44,9 +44,8 @@ Atmosphere custom_atmosphere() {
   return air;
 }
 
-std::shared_ptr<const SkyTables> tables(const Atmosphere& air, const SkyTableOptions& options) {
-  return std::make_shared<const SkyTables>(precompute_sky(air, options));
-}
+/// Of four wavelengths, to be folded to colours.
+Atmosphere earth_of_four() { return earth_bruneton({400.0, 500.0, 600.0, 700.0}); }
 
 std::vector<glm::dvec3> suns() {
   return {sun_direction(90.0, 0.0), sun_direction(31.0, 70.0), sun_direction(2.0, 200.0), sun_direction(-7.0, -30.0),
@@ -112,69 +111,65 @@ std::uint64_t bits_of_bake(const SkyPlan& plan) {
 }  // namespace
 
 TEST_CASE("Atmospheres are the same as before", "[same_as_before]") {
-  require_as_recorded("atmosphere",
-                      {
-                          {"presets",
-                           [] {
-                             BitHash hash;
-                             for (const Atmosphere& air :
-                                  {earth_bruneton(), earth_bruneton({400.0, 500.0, 600.0, 700.0}), earth_hillaire(),
-                                   mars(), with_ground_albedo(without_aerosol(mars()), 0.4), custom_atmosphere()}) {
-                               add_bits(hash, cache::hash_options(air));
-                             }
-                             return hash.value();
-                           }},
-                          {"srgb_weights",
-                           [] {
-                             return sky::srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
-                           }},
-                          {"sun_direction", [] { return bits_of(suns(), sun_direction(12.3, 456.7)); }},
-                      });
+  require_as_recorded(
+      "atmosphere",
+      {
+          {"presets",
+           [] {
+             BitHash hash;
+             for (const Atmosphere& air : {earth_bruneton(), earth_of_four(), earth_hillaire(), mars(),
+                                           with_ground_albedo(without_aerosol(mars()), 0.4), custom_atmosphere()}) {
+               add_bits(hash, cache::hash_options(air));
+             }
+             return hash.value();
+           }},
+          {"srgb_weights",
+           [] {
+             return sky::srgb_weights({400.0, 470.0, 530.0, 610.0, 680.0});
+           }},
+          {"sun_direction", [] { return bits_of(suns(), sun_direction(12.3, 456.7)); }},
+      });
 }
 
 TEST_CASE("Tables of skies are the same as before", "[same_as_before]") {
   const auto compact = ScatteringLayout::compact;
   SkyTableOptions until = tables_of(12);
   until.convergence_threshold = 0.1;
-  require_as_recorded(
-      "sky_tables",
-      {
-          {"earth_1", [] { return precompute_sky(earth_bruneton(), tables_of(1)); }},
-          {"earth_4", [] { return precompute_sky(earth_bruneton(), tables_of(4)); }, Repeats::once},
-          {"earth_compact", [] { return precompute_sky(earth_bruneton(), tables_of(2, compact)); }},
-          {"earth_until", [&] { return precompute_sky(earth_bruneton(), until); }, Repeats::once},
-          {"earth_folded",
-           [] {
-             return precompute_sky(earth_bruneton({400.0, 500.0, 600.0, 700.0}), folded(2));
-           }},
-          {"clear", [] { return precompute_sky(earth(), tables_of(2)); }},
-          {"dusty",
-           [] {
-             return precompute_sky(earth({680.0, 550.0, 440.0}, AerosolKind::dusty), tables_of(2));
-           }},
-          {"earth_of_hillaire", [] { return precompute_sky(earth_hillaire(), tables_of(2)); }},
-          {"mars", [] { return precompute_sky(mars(), tables_of(3)); }},
-          {"without_aerosol", [] { return precompute_sky(without_aerosol(earth_bruneton()), tables_of(2)); }},
-          {"custom", [] { return precompute_sky(custom_atmosphere(), tables_of(2)); }},
-          {"file_bytes",
-           [] {
-             const TemporaryDirectory folder;
-             save_sky_tables(precompute_sky(mars(), tables_of(1)), folder.file("mars"));
-             return bits_of(read_bytes(folder.file("mars")), load_sky_tables(folder.file("mars")));
-           }},
-      });
+  const auto made = [](const Atmosphere& air, const SkyTableOptions& options) {
+    return [=] { return precompute_sky(air, options); };
+  };
+  require_as_recorded("sky_tables", {
+                                        {"earth_1", made(earth_bruneton(), tables_of(1))},
+                                        {"earth_4", made(earth_bruneton(), tables_of(4)), Repeats::once},
+                                        {"earth_compact", made(earth_bruneton(), tables_of(2, compact))},
+                                        {"earth_until", made(earth_bruneton(), until), Repeats::once},
+                                        {"earth_folded", made(earth_of_four(), folded(2))},
+                                        {"clear", made(earth(), tables_of(2))},
+                                        {"dusty", made(earth({680.0, 550.0, 440.0}, AerosolKind::dusty), tables_of(2))},
+                                        {"earth_of_hillaire", made(earth_hillaire(), tables_of(2))},
+                                        {"mars", made(mars(), tables_of(3))},
+                                        {"without_aerosol", made(without_aerosol(earth_bruneton()), tables_of(2))},
+                                        {"custom", made(custom_atmosphere(), tables_of(2))},
+                                        {"file_bytes",
+                                         [] {
+                                           const TemporaryDirectory folder;
+                                           save_sky_tables(precompute_sky(mars(), tables_of(1)), folder.file("mars"));
+                                           return bits_of(read_bytes(folder.file("mars")),
+                                                          load_sky_tables(folder.file("mars")));
+                                         }},
+                                    });
 }
 
 TEST_CASE("Views of skies and their images are the same as before", "[same_as_before]") {
-  const auto earth_tables = tables(earth_bruneton(), tables_of(2));
+  const auto earth_tables = sky_tables_of(earth_bruneton(), tables_of(2));
   const SkyView ground(earth_tables, 0.0);
   const SkyView high(earth_tables, 10'000.0);
   const SkyView space(earth_tables, 400'000.0);
   const SkyView without_ground(earth_tables, 2.0, {.ground = false});
-  const SkyView compact(tables(earth_bruneton(), tables_of(2, ScatteringLayout::compact)), 0.0);
-  const SkyView mars_view(tables(mars(), tables_of(2)), 100.0);
-  const SkyView custom(tables(custom_atmosphere(), tables_of(1)), 5000.0);
-  const SkyView colours(tables(earth_bruneton({400.0, 500.0, 600.0, 700.0}), folded(1)), 0.0);
+  const SkyView compact(sky_tables_of(earth_bruneton(), tables_of(2, ScatteringLayout::compact)), 0.0);
+  const SkyView mars_view(sky_tables_of(mars(), tables_of(2)), 100.0);
+  const SkyView custom(sky_tables_of(custom_atmosphere(), tables_of(1)), 5000.0);
+  const SkyView colours(sky_tables_of(earth_of_four(), folded(1)), 0.0);
   const glm::dvec3 noon = sun_direction(50.0, 20.0);
   const glm::dvec3 evening = sun_direction(0.1, 130.0);
   require_as_recorded(
@@ -205,19 +200,18 @@ TEST_CASE("Views of skies and their images are the same as before", "[same_as_be
 }
 
 TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_before]") {
-  const auto earth_tables = tables(earth_bruneton(), tables_of(2));
+  const auto earth_tables = sky_tables_of(earth_bruneton(), tables_of(2));
   const SkyView ground(earth_tables, 0.0);
   const SkyView high(earth_tables, 30'000.0);
   const SkyView space(earth_tables, 200'000.0);
-  const SkyView custom(tables(custom_atmosphere(), tables_of(1)), 0.0);
+  const SkyView custom(sky_tables_of(custom_atmosphere(), tables_of(1)), 0.0);
   std::vector<NamedResult> results;
   for (const SkyQuadrature quadrature : {SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
     for (const auto& [view_name, view] : {std::pair{"_ground", &ground}, std::pair{"_high", &high}}) {
       // Its hashes were recorded under its name of then.
-      std::string title = quadrature == SkyQuadrature::uniform ? "article" : name(quadrature);
-      title += view_name;
       results.emplace_back(
-          title, [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });
+          joined(quadrature == SkyQuadrature::uniform ? "article" : name(quadrature), view_name),
+          [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });
     }
   }
   results.emplace_back("seven_bands",
@@ -231,22 +225,17 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
 }
 
 TEST_CASE("Planned skies are the same as before", "[same_as_before]") {
+  const auto baked = [](const Atmosphere& air, const SceneNeeds& needs) {
+    return [=] { return bits_of_bake(plan(air, needs, small_sky())); };
+  };
   require_as_recorded(
       "sky_bake",
       {
-          {"everything", [] { return bits_of_bake(plan(earth_bruneton(), {}, small_sky())); }, Repeats::once},
-          {"still_sun", [] { return bits_of_bake(plan(mars(), {.sun_moves = false}, small_sky())); }, Repeats::once},
-          {"light_alone",
-           [] {
-             return bits_of_bake(plan(custom_atmosphere(), {.glossy = std::nullopt, .background = false}, small_sky()));
-           },
-           Repeats::once},
+          {"everything", baked(earth_bruneton(), {}), Repeats::once},
+          {"still_sun", baked(mars(), {.sun_moves = false}), Repeats::once},
+          {"light_alone", baked(custom_atmosphere(), {.glossy = std::nullopt, .background = false}), Repeats::once},
           {"background_alone",
-           [] {
-             return bits_of_bake(plan(earth_bruneton(),
-                                      {.diffuse_bands = 0, .irradiance_cubemap = false, .glossy = std::nullopt},
-                                      small_sky()));
-           },
+           baked(earth_bruneton(), {.diffuse_bands = 0, .irradiance_cubemap = false, .glossy = std::nullopt}),
            Repeats::once},
       });
 }

@@ -1,5 +1,4 @@
 // The references that skies are held to: a Monte Carlo and closed forms.
-#include "reference/path_shells.h"
 #include "reference/reference_air.h"
 #include "reference/sky_monte_carlo.h"
 #include "reference/sky_reference.h"

@@ -1,5 +1,4 @@
 // What a view of a sky gives, at every height and under every sun.
-#include "float_environment/modes.h"
 #include "jobs/tiles.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"

@@ -1,10 +1,18 @@
-// The cases, by subject.
+// What happens where numbers are extreme: a named suite that measures every promise on its hardest cases. Errors are
+// deterministic (the library gives the same bits everywhere), so a result can be compared with a recorded one.
 #pragma once
 
-#include "stability/stability.h"
 #include "standard_headers.h"
 
 namespace welkin::test::stability {
+
+/// What a number of a result counts.
+enum class StabilityUnit {
+  relative,  ///< error over the truth, or over what the promise names
+  ulps,      ///< error in units of the last place of the float nearest to the truth
+  count,     ///< answers that are wrong: 0 or it does not hold
+  ratio,     ///< how many times an error grew
+};
 
 enum class Effort { quick, full };  ///< full: not in quick runs
 

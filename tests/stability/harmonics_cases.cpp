@@ -198,48 +198,6 @@ double left_below_zero(const SphericalHarmonics& light) {
   return -least / mean;
 }
 
-/// The least value of a lone band-limited light is on a ring: against a search along the ring's polar angle.
-double ring_minimum_error(int bands) {
-  const SphericalHarmonics light = one_sided_light(bands);
-  double truth = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= 200000; ++k) {
-    const double x = std::cos(kPi * k / 200000.0);
-    double before = 1.0;
-    double here = x;
-    double sum = 1.0 / (4.0 * kPi) + (bands > 1 ? 3.0 * x / (4.0 * kPi) : 0.0);
-    for (int l = 2; l < bands; ++l) {
-      const double next = ((2.0 * l - 1.0) * x * here - (l - 1.0) * before) / l;
-      before = here;
-      here = next;
-      sum += (2.0 * l + 1.0) * next / (4.0 * kPi);
-    }
-    truth = std::min(truth, sum);
-  }
-  return relative_error(minimum(light).value.x, truth);
-}
-
-double constant_minimum() {
-  double worst = 0.0;
-  for (const double value : {1e-300, 1.0, 1e300}) {
-    worst = worse(worst, relative_error(minimum(constant_radiance(glm::dvec3(value), 16)).value.x, value));
-  }
-  return worst;
-}
-
-double refusals() {
-  SphericalHarmonics dark = gradient(2.0, {0, 1, 0});
-  dark.at(0, 0) = glm::dvec3(0.0);
-  SphericalHarmonics broken = gradient(2.0, {0, 1, 0});
-  broken.at(1, 0).y = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [](const SphericalHarmonics& light, Window window, double width) {
-    return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)apply_window(light, window, width); });
-  };
-  const SphericalHarmonics light = gradient(2.0, {0, 1, 0});
-  return refused(dark, Window::min_laplacian, 0.0) + refused(broken, Window::min_laplacian, 0.0) +
-         refused(light, Window::hanning, -1.0) +
-         refused(light, Window::lanczos, std::numeric_limits<double>::infinity());
-}
-
 /// Widths that are tiny leave band 0 alone; huge ones change nothing.
 double width_error() {
   const SphericalHarmonics light = one_sided_light(6);
@@ -300,17 +258,11 @@ void add_window_cases(StabilityCases& cases) {
     cases.add("turned-lone-light-" + text, "lambda does not depend on how the light is turned",
               "that of the light before", {.bound = 1e-6, .effort = effort},
               [bands] { return rotated_lambda_error(bands); });
-    cases.add("ring-minimum-" + text, "the least value of a lone light lies on a ring, and is found",
-              "200 001 points across the ring", {.bound = 1e-8, .effort = effort},
-              [bands] { return ring_minimum_error(bands); });
   }
-  cases.add("constant-minimum", "the least value of a constant from 1e-300 to 1e300", "closed form", {1e-14},
-            constant_minimum);
   cases.add("scaled-lambda", "lambda of light times 2^-300 and 2^300", "that of the light itself", {1e-12},
             scaled_lambda_error);
   cases.add("widths", "widths of 1e-300 leave band 0 alone, widths of 1e12 change nothing", "closed form", {1e-15},
             width_error);
-  cases.add_count("refusals", "no light in band 0, NaN, widths that are none: refused", "the error's code", refusals);
 }
 
 }  // namespace welkin::test::stability

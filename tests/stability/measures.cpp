@@ -68,25 +68,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-double norm(const SphericalHarmonics& c, int first_band) {
-  return distance(c, SphericalHarmonics(c.bands()), first_band);
-}
-
-double distance(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band) {
-  if (a.bands() != truth.bands()) return kInfinity;
-  double sum = 0.0;
-  for (std::size_t k = SphericalHarmonics::index(first_band, -first_band); k < truth.coefficients().size(); ++k) {
-    const glm::dvec3 difference = a.coefficients()[k] - truth.coefficients()[k];
-    sum += glm::dot(difference, difference);
-  }
-  return std::sqrt(sum);
-}
-
-double relative_error(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band) {
-  const double off = distance(a, truth, first_band);
-  return off == 0.0 ? 0.0 : worse(off / norm(truth, first_band), 0.0);
-}
-
 double relative_error(double found, double truth) {
   return found == truth ? 0.0 : worse(std::abs(found - truth) / std::abs(truth), 0.0);
 }

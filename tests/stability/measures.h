@@ -2,6 +2,7 @@
 #pragma once
 
 #include "standard_headers.h"
+#include "support/coefficients.h"
 #include "support/sun_maps.h"
 #include "support/values_of.h"
 #include "welkin/core.h"
@@ -34,14 +35,7 @@ template <class Image>
 [[nodiscard]] Cubemap upper_half_cube(int size);
 [[nodiscard]] LatLongImage upper_half_lat_long(int width, int height);
 
-/// |c| over all coefficients and channels, from band `first` on.
-[[nodiscard]] double norm(const SphericalHarmonics& c, int first_band = 0);
-
-/// |a - truth| over coefficients from band `first_band` on.
-[[nodiscard]] double distance(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band = 0);
-
-/// distance over norm of the truth. 0 if both are zero.
-[[nodiscard]] double relative_error(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band = 0);
+using test::relative_error;  // of coefficients
 
 /// |found - truth| / |truth|; 0 if equal, infinity where the truth alone is 0 or the found value no number.
 [[nodiscard]] double relative_error(double found, double truth);

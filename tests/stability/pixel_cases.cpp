@@ -377,22 +377,6 @@ double rejections() {
          refused(-1e-40F, with(kReplace, kReplace, NegativePolicy::reject));
 }
 
-/// The counts of what was replaced.
-double miscounts() {
-  Cubemap map = noise_cube(16, 1);
-  const auto set = [&](std::size_t first, std::size_t count, float value) {
-    for (std::size_t k = first; k < first + count; ++k) map.pixels()[k] = value;
-  };
-  set(10, 5, kNaN);
-  set(400, 7, kInfinity);
-  set(900, 4, -kInfinity);
-  set(1300, 9, -1.0F);
-  const ProjectionDiagnostics found =
-      project(map.view(), with(kReplace, kReplace, NegativePolicy::replace)).diagnostics;
-  return wrong_if(found.nans_replaced != 5) + wrong_if(found.infinities_replaced != 11) +
-         wrong_if(found.negatives_replaced != 9);
-}
-
 double all_nan() {
   const Projection found = project(grey_cubemap(16, kNaN).view());
   const LatLongImage lat_long = grey_lat_long(32, 16, kNaN);
@@ -429,7 +413,6 @@ void add_policy_cases(StabilityCases& cases) {
   const std::string truth = "the error's code, the counts";
   cases.add_count("rejected", "what a policy rejects is refused by projection, prefilter and irradiance", truth,
                   rejections);
-  cases.add_count("counted", "what was replaced is counted, by kind", truth, miscounts);
   cases.add_count("all-nan", "a map of NaN alone is black, and all of it counted", truth, all_nan);
   cases.add("alpha", "NaN and infinity in alpha change nothing", "the same map without alpha", {0.0}, alpha_error);
 }

@@ -40,32 +40,6 @@ double sheen_error(const float* entry, double normal_view, double alpha) {
   return std::abs(entry[2] - sheen) / std::max(1.0, sheen);
 }
 
-/// The smoothest row of a table: a mirror, nearly, for which scale + bias is 1 and bias is (1 - n.v)^5.
-double mirror_error() {
-  const auto table = brdf_table({.width = 64, .height = 4096, .sheen = false});
-  double worst = 0.0;
-  for (int column = 4; column < 64; ++column) {
-    const double normal_view = (column + 0.5) / 64;
-    const auto at = static_cast<std::size_t>(2 * column);
-    const double bias = std::pow(1.0 - normal_view, 5.0);
-    worst = worse(worst, std::abs(table->values[at] + table->values[at + 1] - 1.0));
-    worst = worse(worst, std::abs(table->values[at + 1] - bias));
-  }
-  return worst;
-}
-
-/// What a table has beyond 0 and 1.
-double energy_excess() {
-  double worst = 0.0;
-  const auto table = brdf_table({.width = 4096, .height = 4, .sheen = false});
-  for (std::size_t k = 0; k < table->values.size(); k += 2) {
-    const double scale = table->values[k];
-    const double bias = table->values[k + 1];
-    worst = worse(worst, worse(scale + bias - 1.0, worse(-scale, -bias)));
-  }
-  return std::max(0.0, worst);
-}
-
 /// Of sheen far above the halves: none becomes infinite.
 double half_values_wrong() {
   const auto table = brdf_table({.width = 1024, .height = 64});
@@ -87,10 +61,6 @@ void add_brdf_cases(StabilityCases& cases) {
               "integral over the light's hemisphere in double", {kTableError},
               [w = width, c = column] { return column_error(w, 8, c, sheen_error); });
   }
-  cases.add("mirror", "at roughness 1.2e-4 scale + bias is 1 and bias (1 - n.v)^5 (n.v above 0.07)",
-            "closed form of a mirror", {kTableError}, mirror_error);
-  cases.add("energy", "scale and bias are not negative and their sum not above 1, n.v from 1.2e-4", "energy",
-            {kTableError}, energy_excess);
   cases.add_count("half-values", "sheen of hundreds at grazing angles is finite, as halves too", "65504 at most",
                   half_values_wrong);
 }
@@ -137,17 +107,6 @@ double copy_differs() {
   return wrong;
 }
 
-/// The truth of a lobe far narrower than a texel is the texel it points at.
-double narrow_truth(double roughness) {
-  const Cubemap source = noise_cube(8, 12);
-  const std::vector<glm::dvec3> truth = reference_specular(source.view(), roughness, texel_centres(8));
-  std::vector<glm::dvec3> values;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    values.emplace_back(source.pixels()[3 * k], source.pixels()[3 * k + 1], source.pixels()[3 * k + 2]);
-  }
-  return worst_relative_error(truth, values);
-}
-
 double schedules_unsound() {
   double wrong = 0.0;
   for (const RoughnessSchedule schedule :
@@ -189,10 +148,6 @@ void add_roughness_cases(StabilityCases& cases) {
     cases.add("reference-" + text, "method `reference` at roughness " + text + " is the truth, in float",
               "reference_specular (double)", {1e-7},
               [value = std::stod(text)] { return error_of(value, 4, PrefilterMethod::reference); });
-  }
-  for (const std::string text : {"1e-6", "1e-3", "0.01"}) {
-    cases.add("narrow-truth-" + text, "the truth itself at roughness " + text + " is the texel it points at",
-              "the source's texels", {1e-2}, [value = std::stod(text)] { return narrow_truth(value); });
   }
   cases.add_count("schedules", "every schedule rises from 0 and stays in [0, 1], for 1 to 16 mips", "its definition",
                   schedules_unsound);

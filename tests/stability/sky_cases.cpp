@@ -3,7 +3,6 @@
 #include "stability/cases.h"
 #include "stability/measures.h"
 #include "standard_headers.h"
-#include "support/random_harmonics.h"
 #include "support/small_skies.h"
 #include "welkin/sky.h"
 
@@ -78,20 +77,6 @@ double horizon_error(const std::shared_ptr<const SkyTables>& tables, double alti
   return radiance_error(view, directions, 30.0);
 }
 
-/// The lanes' floats against the call for one direction in double: what rounding a direction to float costs.
-double lanes_error(double altitude) {
-  const SkyView view(earth_tables(), altitude);
-  const glm::dvec3 sun = sun_direction(30.0, 0.0);
-  const std::vector<glm::dvec3> directions = hard_directions(earth_bruneton(), altitude);
-  std::vector<glm::vec3> in_float(directions.begin(), directions.end());
-  std::vector<glm::vec3> rgb(directions.size());
-  view.radiance(in_float, sun, rgb);
-  std::vector<glm::dvec3> one_by_one;
-  one_by_one.reserve(in_float.size());
-  for (const glm::vec3& direction : in_float) one_by_one.push_back(view.radiance(glm::dvec3(direction), sun));
-  return rms_error(std::vector<glm::dvec3>(rgb.begin(), rgb.end()), one_by_one);
-}
-
 }  // namespace
 
 void add_sky_ray_cases(StabilityCases& cases) {
@@ -143,9 +128,6 @@ void add_sky_ray_cases(StabilityCases& cases) {
               "radiance from 1e-7 to 1e-3 radians above and below the horizon, seen from " + altitude.text +
                   ", default sizes, rms",
               "reference_sky_radiance", {1e-2}, [=] { return horizon_error(usual_tables(), altitude.value); });
-    cases.add("lanes-from-" + altitude.text,
-              "many directions at once give what one after another do, from " + altitude.text,
-              "SkyView::radiance, one direction", {1e-6}, [=] { return lanes_error(altitude.value); });
   }
 }
 
@@ -191,21 +173,6 @@ double default_curve_error(double elevation) {
 /// Two suns next to each other have the same sky.
 double step(const glm::dvec3& one, const glm::dvec3& other) {
   return relative_error(projector(16).project(one), projector(16).project(other));
-}
-
-/// Below the tables' lowest sun and at the nadir.
-double unsound_nights() {
-  double wrong = 0.0;
-  for (const double elevation : {-18.0, -29.9, -30.0, -30.1, -45.0, -89.999, -90.0}) {
-    const glm::dvec3 sun = sun_direction(elevation, 10.0);
-    for (const glm::dvec3& direction : hard_directions(earth_bruneton(), 0.0)) {
-      const glm::dvec3 light = ground_view().radiance(direction, sun);
-      for (int c = 0; c < 3; ++c) wrong += wrong_if(!(light[c] >= 0.0) || std::isinf(light[c]));
-    }
-    wrong += wrong_if(!std::isfinite(norm(projector(16).project(sun))));
-    wrong += wrong_if(norm(constant_radiance(ground_view().sun_light(sun).irradiance)) != 0.0);
-  }
-  return wrong;
 }
 
 struct Elevation {
@@ -257,14 +224,10 @@ void add_sky_sun_cases(StabilityCases& cases) {
            sun_direction(-1e-9, 30.0));
   add_step("step-lowest", "suns 1e-9 degrees above and below the tables' lowest", sun_direction(-30.0 + 1e-9, 30.0),
            sun_direction(-30.0 - 1e-9, 30.0));
-  cases.add_count("nights", "from -18 degrees to the nadir nothing is negative or not finite, and no sun shines",
-                  "what night is", unsound_nights);
 }
 
 // Extreme air: none and a thousand Earths', lobes of any sharpness, layers from 10 m to 100 km, many orders.
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Atmosphere with_lobe(double asymmetry) {
   Atmosphere air = earth_bruneton();
@@ -320,31 +283,6 @@ double most_on_ground(double factor) {
   return most;
 }
 
-double refusals() {
-  const auto refused = [](auto change) {
-    Atmosphere air = earth_bruneton();
-    change(air);
-    return wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)precompute_sky(air, single_order()); }) +
-           wrong_unless_thrown(ErrorCode::invalid_argument, [&] { (void)reference_transmittance(air, 0.0, 1.0); });
-  };
-  double wrong = 0.0;
-  for (const double bad : {kNaN, -1.0, std::numeric_limits<double>::infinity()}) {
-    wrong += refused([bad](Atmosphere& air) { air.bottom_radius_m = bad; });
-    wrong += refused([bad](Atmosphere& air) { air.top_radius_m = bad; });
-    wrong += refused([bad](Atmosphere& air) { air.rayleigh.scattering_per_m[1] = bad; });
-    wrong += refused([bad](Atmosphere& air) { air.aerosol.absorption_per_m = {bad, 0.0, 0.0}; });
-    wrong += refused([bad](Atmosphere& air) { air.solar_irradiance[0] = bad; });
-    wrong += refused([bad](Atmosphere& air) { air.sun_angular_radius_degrees = bad; });
-    wrong += refused([bad](Atmosphere& air) { air.wavelengths_nm[2] = bad; });
-  }
-  wrong += refused([](Atmosphere& air) { air.aerosol_asymmetry = kNaN; });
-  wrong += refused([](Atmosphere& air) { air.aerosol_asymmetry = 1.0; });
-  wrong += refused([](Atmosphere& air) { air.ground_albedo = {0.1, 1.5, 0.1}; });
-  wrong += refused([](Atmosphere& air) { air.rayleigh.density[0].exponential_term = kNaN; });
-  return wrong + wrong_unless_thrown(ErrorCode::invalid_argument, [] { (void)exponential_profile(-8000.0); }) +
-         wrong_unless_thrown(ErrorCode::invalid_argument, [] { (void)exponential_profile(kNaN); });
-}
-
 }  // namespace
 
 void add_sky_air_cases(StabilityCases& cases) {
@@ -392,8 +330,6 @@ void add_sky_air_cases(StabilityCases& cases) {
   }
   cases.add("scale-height-10m-low-top", "radiance on the ground under 500 m of air of scale height 10 m, rms",
             "reference_sky_radiance", {1e-2}, [] { return sky_error(plain_planet(6.36e6, 500.0, 10.0), 0.0, 30.0); });
-  cases.add_count("refusals", "NaN, infinite and negative parameters are refused by tables and reference",
-                  "the error's code", refusals);
 }
 
 // Planets of any size, seen from the ground, the top and ten radii away.
@@ -415,20 +351,6 @@ double scaled_difference() {
     return SkyProjector(view).project(sun_direction(20.0, 0.0));
   };
   return relative_error(harmonics(0x1p26), harmonics(0x1p4));
-}
-
-/// Just inside and outside of the top: the same sky.
-double step_at_top() {
-  const double top = 60'000.0;
-  const SkyView below(earth_tables(), top - 1e-3);
-  const SkyView above(earth_tables(), top + 1e-3);
-  std::vector<glm::dvec3> a;
-  std::vector<glm::dvec3> b;
-  for (const glm::dvec3& d : hard_directions(earth_bruneton(), top)) {
-    a.push_back(below.radiance(d, sun_direction(30.0, 0.0)));
-    b.push_back(above.radiance(d, sun_direction(30.0, 0.0)));
-  }
-  return rms_error(a, b);
 }
 
 }  // namespace
@@ -470,7 +392,6 @@ void add_sky_planet_cases(StabilityCases& cases) {
     cases.add("altitude-" + viewer.text, "the Earth's radiance from " + viewer.words + ", rms",
               "reference_sky_radiance", {2e-2}, [=] { return earth_error(viewer.altitude); });
   }
-  cases.add("step-at-top", "radiance 1 mm below and above the top of the air", "the other side", {1e-3}, step_at_top);
   cases.add("scale-free", "a planet 4 million times larger with its air is the same sky", "the small planet", {1e-6},
             scaled_difference);
 }

@@ -311,17 +311,6 @@ void add_cancellation_cases(StabilityCases& cases) {
 // The smallest sizes: 1 and 2 texels, tables of one entry, chains of one mip.
 namespace {
 
-ProjectionOptions options_of(int bands, Quadrature quadrature) {
-  ProjectionOptions options{.bands = bands, .quadrature = quadrature};
-  return options;
-}
-
-template <class Image>
-double projection_error(const Image& map, int bands, Quadrature quadrature) {
-  const ProjectionOptions options = options_of(bands, quadrature);
-  return relative_error(project(map.view(), options).radiance, reference_projection(map.view(), options));
-}
-
 double prefilter_error(int source, int size) {
   const Cubemap map = noise_cube(source, 6);
   PrefilterOptions options{.size = size};
@@ -354,17 +343,6 @@ double small_results() {
   return wrong;
 }
 
-double one_texel_irradiance() {
-  const Cubemap map = grey_cubemap(1, 2.0F);
-  const SphericalHarmonics light = irradiance_from_radiance(project(map.view()).radiance);
-  double worst = 0.0;
-  const Cubemap irradiance = irradiance_cubemap(light, 1);
-  for (const float value : irradiance.pixels()) {
-    worst = worse(worst, float_ulps(value, 2.0 * 3.14159265358979323846));
-  }
-  return worst;
-}
-
 /// A chain of one mip is what its own roughness asks for.
 double one_mip_error(double roughness) {
   const LatLongImage map = noise_lat_long(32, 16, 3);
@@ -375,42 +353,9 @@ double one_mip_error(double roughness) {
   return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), roughness, texel_centres(8)));
 }
 
-double one_mip_copy() {
-  const Cubemap map = noise_cube(8, 3);
-  const PrefilteredSpecular found = prefilter_specular(map.view(), {.size = 8, .mips = 1});
-  double wrong = wrong_if(found.cubemap.levels() != 1);
-  for (std::size_t k = 0; k < map.pixels().size(); ++k)
-    wrong += wrong_if(found.cubemap.face(0, 0)[k] != map.pixels()[k]);
-  return wrong;
-}
-
-void add_projections(StabilityCases& cases) {
-  const auto add = [&](const std::string& name, const std::string& what, std::function<double()> measure) {
-    cases.add(name, what, "reference_projection (double)", {5e-7}, std::move(measure));
-  };
-  for (const int size : {1, 2, 3}) {
-    const std::string number = std::to_string(size);
-    add("cube-" + number, "three bands of a cubemap of " + number,
-        [size] { return projection_error(noise_cube(size, 1), 3, Quadrature::exact); });
-    add("cube-" + number + "-bands-16", "16 bands of a cubemap of " + number,
-        [size] { return projection_error(noise_cube(size, 1), 16, Quadrature::exact); });
-    add("cube-" + number + "-midpoint", "three bands of a cubemap of " + number + " by the midpoint rule",
-        [size] { return projection_error(noise_cube(size, 1), 3, Quadrature::midpoint); });
-  }
-  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 2}, {3, 2}}) {
-    const std::string shape = std::to_string(width) + "x" + std::to_string(height);
-    const LatLongImage map = noise_lat_long(width, height, 1);
-    add("lat-long-" + shape, "three bands of a lat-long of " + shape,
-        [map] { return projection_error(map, 3, Quadrature::exact); });
-    add("lat-long-" + shape + "-bands-16", "16 bands of a lat-long of " + shape,
-        [map] { return projection_error(map, 16, Quadrature::exact); });
-  }
-}
-
 }  // namespace
 
 void add_size_cases(StabilityCases& cases) {
-  add_projections(cases);
   for (const auto& [source, size] : {std::pair{1, 1}, {2, 1}, {1, 2}, {2, 8}, {32, 1}}) {
     const std::string from = std::to_string(source);
     const std::string to = std::to_string(size);
@@ -423,14 +368,10 @@ void add_size_cases(StabilityCases& cases) {
     cases.add("one-mip-" + roughness, "a chain whose only mip has roughness " + roughness,
               "reference_specular (double)", {1e-2}, [value = std::stod(roughness)] { return one_mip_error(value); });
   }
-  cases.add_count("one-mip-copy", "a chain of one mip without roughness is the source's texels",
-                  "the source, bit for bit", one_mip_copy);
   cases.add_count("small-results", "resampling, mips and BRDF tables of 1 and 2 texels are finite, not negative",
                   "what the sizes ask for", small_results);
   cases.add("round-trip-1", "a cubemap of 1 to a lat-long and back keeps its total radiance",
             "total radiance of the source", {1e-6}, round_trip_error);
-  cases.add("irradiance-1", "irradiance cubemap of 1 texel of a uniform cubemap of 1", "closed form: 2 pi",
-            {4.0, StabilityUnit::ulps}, one_texel_irradiance);
 }
 
 }  // namespace welkin::test::stability

@@ -221,6 +221,37 @@ inline void add_bits(BitHash& hash, const BakeResult& result) {
   add_bits(hash, result.diagnostics);
 }
 
+inline void add_bits(BitHash& hash, const EngineLight& light) {
+  for (const EngineTerm& term : light.terms) {
+    add_bits(hash, term.name);
+    add_bits(hash, term.rgb);
+  }
+  for (const EngineVector& vector : light.vectors) {
+    add_bits(hash, vector.name);
+    add_bits(hash, vector.value);
+  }
+}
+inline void add_bits(BitHash& hash, const HarmonicMinimum& minimum) {
+  add_bits(hash, minimum.value);
+  for (const glm::dvec3& direction : minimum.direction) add_bits(hash, direction);
+}
+inline void add_bits(BitHash& hash, const WindowResult& windowed) {
+  add_bits(hash, windowed.radiance);
+  add_bits(hash, windowed.parameter);
+  add_bits(hash, windowed.minimum_before);
+  add_bits(hash, windowed.minimum_after);
+  add_bits(hash, windowed.factors);
+}
+inline void add_bits(BitHash& hash, const DominantLight& light) {
+  add_bits(hash, light.direction);
+  add_bits(hash, light.irradiance);
+}
+inline void add_bits(BitHash& hash, const IrradianceError& error) {
+  add_bits(hash, error.bands);
+  for (const double value : {error.rms, error.maximum, error.relative}) add_bits(hash, value);
+  add_bits(hash, error.worst_normal);
+}
+
 /// Of several values in their order.
 template <class... Values>
 [[nodiscard]] std::uint64_t bits_of(const Values&... values) {

@@ -53,6 +53,25 @@ void append_component(std::vector<char>& bytes, const std::vector<Rgbe>& scanlin
   }
 }
 
+/// One scanline in a form.
+std::vector<char> scanline_bytes(HdrForm form, const std::vector<Rgbe>& scanline) {
+  std::vector<char> bytes;
+  const std::size_t length = scanline.size();
+  if (form == HdrForm::new_rle && length >= 8 && length <= 32767) {
+    bytes = {2, 2, static_cast<char>(length / 256), static_cast<char>(length % 256)};
+    for (std::size_t component = 0; component < 4; ++component) {
+      append_component(bytes, scanline, component);
+    }
+  } else if (form == HdrForm::old_rle) {
+    append_old(bytes, scanline);
+  } else {
+    for (const Rgbe& texel : scanline) {
+      append(bytes, texel);
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<Rgbe> some_rgbe(int width, int height, unsigned seed) {
@@ -87,24 +106,6 @@ std::vector<float> decoded(const std::vector<Rgbe>& texels) {
     }
   }
   return values;
-}
-
-std::vector<char> scanline_bytes(HdrForm form, const std::vector<Rgbe>& scanline) {
-  std::vector<char> bytes;
-  const std::size_t length = scanline.size();
-  if (form == HdrForm::new_rle && length >= 8 && length <= 32767) {
-    bytes = {2, 2, static_cast<char>(length / 256), static_cast<char>(length % 256)};
-    for (std::size_t component = 0; component < 4; ++component) {
-      append_component(bytes, scanline, component);
-    }
-  } else if (form == HdrForm::old_rle) {
-    append_old(bytes, scanline);
-  } else {
-    for (const Rgbe& texel : scanline) {
-      append(bytes, texel);
-    }
-  }
-  return bytes;
 }
 
 std::string hdr_header(const HdrRecipe& recipe) {

@@ -39,9 +39,6 @@ std::vector<float> decoded(const std::vector<Rgbe>& texels);
 /// flat.
 std::vector<char> hdr_bytes(const HdrRecipe& recipe, const std::vector<Rgbe>& texels);
 
-/// One scanline in a form.
-std::vector<char> scanline_bytes(HdrForm form, const std::vector<Rgbe>& scanline);
-
 /// Header, empty line and resolution line of a recipe.
 std::string hdr_header(const HdrRecipe& recipe);
 

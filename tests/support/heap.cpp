@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "jobs/tiles.h"
-#include "support/heap_counting.h"
 
 namespace {
 

@@ -1,9 +1,33 @@
-// Looking at the heap, and making it fail.
+// Looking at the heap, making it fail, and how much working memory the process keeps.
 #pragma once
 
-#include "support/kept_memory.h"
+#include <cstddef>
+
+#include "welkin/core.h"
 
 namespace welkin::test {
+
+/// While it lives, `bytes` of working memory are kept: none of it is left from before, and none afterwards.
+class KeptMemory {
+ public:
+  explicit KeptMemory(std::size_t bytes) noexcept {
+    release_working_memory();
+    keep_working_memory(bytes);
+  }
+  ~KeptMemory() {
+    release_working_memory();
+    keep_working_memory(kDefault);
+  }
+  KeptMemory(const KeptMemory&) = delete;
+  KeptMemory& operator=(const KeptMemory&) = delete;
+
+ private:
+#if defined(__SANITIZE_ADDRESS__)
+  static constexpr std::size_t kDefault = 0;
+#else
+  static constexpr std::size_t kDefault = std::size_t{128} << 20U;
+#endif
+};
 
 /// Whether allocations by malloc are seen as those by operator new are: it cannot be replaced in Windows.
 #if defined(_WIN32)
@@ -70,3 +94,18 @@ class ForeignFrees {
 };
 
 }  // namespace welkin::test
+
+// Between these counters and the functions of a system's heap that they count.
+namespace welkin::test::heap {
+
+/// Whether this operator new is the one that is to fail.
+[[nodiscard]] bool must_fail() noexcept;
+
+/// An allocation.
+void count() noexcept;
+
+/// A block that was given, or is about to be taken back; `usable_size`: how many bytes a block has.
+void* given(void* block, std::size_t (*usable_size)(void*)) noexcept;
+void taken(void* block, std::size_t (*usable_size)(void*)) noexcept;
+
+}  // namespace welkin::test::heap

@@ -3,7 +3,7 @@
 #include <malloc.h>
 
 #include "support/catch.h"
-#include "support/heap_counting.h"
+#include "support/heap.h"
 
 using welkin::test::heap::count, welkin::test::heap::must_fail;
 

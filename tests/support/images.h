@@ -6,6 +6,7 @@
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/temporary_directory.h"
+#include "welkin/environment_file.h"
 #include "welkin/image.h"
 #include "welkin/resampling.h"
 
@@ -19,6 +20,19 @@ inline bool shared_images_are_here() {
   if (std::filesystem::exists(kVariants / "truth_256x128.npy")) return true;
   WARN("left out: the shared images are not at " << kImages);
   return false;
+}
+
+/// The shared lat-longs of up to 1024 columns, of one kind of file where its extension is given, by their names.
+inline std::vector<std::filesystem::path> shared_lat_longs(const std::string& extension = "") {
+  std::vector<std::filesystem::path> files;
+  if (!shared_images_are_here()) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(kImages / "env")) {
+    if (!extension.empty() && entry.path().extension() != extension) continue;
+    const EnvironmentInfo info = inspect_environment(entry.path());
+    if (info.layout == Layout::lat_long && info.width <= 1024) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 /// What REFERENCE_SH.csv of the shared images has of a kind, by file name: names and values, in its order. Its lines
@@ -43,20 +57,19 @@ inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> re
   return found;
 }
 
-/// The values of a version 1 .npy file of little-endian floats in C order; its shape is the caller's to know.
-inline std::vector<float> read_npy(const std::filesystem::path& path) {
-  const std::vector<char> bytes = read_bytes(path);
-  constexpr std::size_t kPrefix = 10;  // magic, version, header length
-  if (bytes.size() < kPrefix || std::string(bytes.data() + 1, 5) != "NUMPY" || bytes[6] != 1) {
-    throw std::runtime_error("not a version 1 .npy file");
-  }
-  const std::size_t header = static_cast<unsigned char>(bytes[8]) + 256U * static_cast<unsigned char>(bytes[9]);
-  const std::string description(bytes.data() + kPrefix, header);
-  if (description.find("'<f4'") == std::string::npos || description.find("False") == std::string::npos) {
-    throw std::runtime_error("not little-endian floats in C order: " + description);
-  }
-  std::vector<float> values((bytes.size() - kPrefix - header) / sizeof(float));
-  std::memcpy(values.data(), bytes.data() + kPrefix + header, values.size() * sizeof(float));
+/// What follows the header of a version 1 .npy file, which must name this type and shape, such as '<f4' and (128, 256,
+/// 3).
+template <class Value>
+std::vector<Value> npy_values(const std::filesystem::path& path, const std::string& type, const std::string& shape) {
+  const std::string bytes = read_text(path);
+  REQUIRE(bytes.size() > 10);
+  CHECK(bytes.substr(0, 8) == std::string("\x93NUMPY\x01\x00", 8));
+  const std::size_t header = number_at<std::uint16_t>(bytes, 8);
+  CHECK((10 + header) % 64 == 0);
+  CHECK(bytes.substr(10, header).find("'descr': " + type + ", 'fortran_order': False, 'shape': " + shape) !=
+        std::string::npos);
+  std::vector<Value> values((bytes.size() - 10 - header) / sizeof(Value));
+  std::memcpy(values.data(), bytes.data() + 10 + header, values.size() * sizeof(Value));
   return values;
 }
 

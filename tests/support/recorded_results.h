@@ -32,6 +32,14 @@ struct NamedResult {
   Repeats repeats;
 };
 
+/// A result's name, of words and numbers.
+template <class... Parts>
+[[nodiscard]] std::string joined(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  return text.str();
+}
+
 /// Checks the hash of each result against its line `group/name hash` in tests/data/same_as_before.txt, and that the
 /// group has no other lines there; each mismatch is a failure that names the result. With the environment variable
 /// WELKIN_RECORD_GOLDEN set, writes the group's lines instead: for a change that alters bits and says why. (Record in

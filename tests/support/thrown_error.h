@@ -25,4 +25,16 @@ ThrownError thrown_by(const Call& call) {
   return {};
 }
 
+/// Checks that the call throws an error of this code that says all of these words.
+template <typename Call>
+void check_thrown(const Call& call, ErrorCode code, std::initializer_list<std::string> words = {}) {
+  const ThrownError error = thrown_by(call);
+  INFO(error.message);
+  CHECK(error.code == code);
+  for (const std::string& each : words) {
+    INFO("is to say: " << each);
+    CHECK(error.says(each));
+  }
+}
+
 }  // namespace welkin::test

@@ -1,5 +1,4 @@
 
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/bake.h"
 #include "welkin/bake_file.h"
@@ -137,18 +136,15 @@ std::string action_of(const nlohmann::json& passes, const std::string& name) {
 }
 
 /// All that two folders hold, but for times and notes.
-bool same_folders(const std::filesystem::path& a, const std::filesystem::path& b) {
-  if (names_in(a) != names_in(b)) return false;
-  for (const std::string& name : names_in(a)) {
-    if (name != "manifest.json" && file_text(a / name) != file_text(b / name)) return false;
-  }
+void check_same_folders(const std::filesystem::path& a, const std::filesystem::path& b) {
+  check_same_files(a, b);
   nlohmann::json first = manifest_of(a);
   nlohmann::json second = manifest_of(b);
   for (nlohmann::json* manifest : {&first, &second}) {
     manifest->erase("times");
     manifest->erase("notes");
   }
-  return first == second;
+  CHECK(first == second);
 }
 
 bool notes_say(const nlohmann::json& report, const std::string& part) {
@@ -167,8 +163,8 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
   const nlohmann::json without = bake_into(folder.path() / "without", bake);
   const nlohmann::json first = bake_into(folder.path() / "first", bake + with_cache(folder));
   const nlohmann::json second = bake_into(folder.path() / "second", bake + with_cache(folder));
-  CHECK(same_folders(folder.path() / "without", folder.path() / "first"));
-  CHECK(same_folders(folder.path() / "without", folder.path() / "second"));
+  check_same_folders(folder.path() / "without", folder.path() / "first");
+  check_same_folders(folder.path() / "without", folder.path() / "second");
   CHECK(second.at("times").size() == 1);
   CHECK(action_of(second.at("times"), "cache") == "reuse");
   CHECK(second.at("notes") == without.at("notes"));
@@ -191,7 +187,7 @@ TEST_CASE("A cache that cannot be written fails nothing, and is said", "[command
   std::ofstream(folder.path() / "cache") << "a file, where a folder should be";
   bake_into(folder.path() / "without", small_image() + kSmallKept);
   const nlohmann::json manifest = bake_into(folder.path() / "with", small_image() + kSmallKept + with_cache(folder));
-  CHECK(same_folders(folder.path() / "without", folder.path() / "with"));
+  check_same_folders(folder.path() / "without", folder.path() / "with");
   CHECK(notes_say(manifest, "the cache could not keep all results"));
   CHECK(notes_say(run_sh_json(small_image() + ' ' + with_cache(folder)).at("source"),
                   "the cache could not keep all results"));

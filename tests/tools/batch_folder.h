@@ -2,7 +2,6 @@
 #pragma once
 
 #include "support/catch.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 namespace welkin::test {

@@ -11,12 +11,11 @@ namespace {
 
 /// A script in which `run` is the batch's run, quietly.
 CommandResult shell(const Batch& batch, const std::string& script) {
-  const std::filesystem::path file = batch.path() / "script.sh";
-  std::ofstream(file) << "jobs='" << batch.jobs().string() << "'\nresults='" << batch.results().string()
-                      << "'\nrun() { exec '" << WELKIN_COMMAND << "' batch run \"$jobs\" -q \"$@\"; }\n"
-                      << "count() { ls \"$results\" 2>/dev/null | grep -c '^[0-9a-f]\\{32\\}$'; }\n"
-                      << script;
-  return run_program("/bin/sh", quoted(file));
+  return run_script("jobs=" + quoted(batch.jobs()) + "\nresults=" + quoted(batch.results()) +
+                    "\nrun() { exec '" WELKIN_COMMAND
+                    "' batch run \"$jobs\" -q \"$@\"; }\n"
+                    "count() { ls \"$results\" 2>/dev/null | grep -c '^[0-9a-f]\\{32\\}$'; }\n" +
+                    script);
 }
 
 /// All results that are there are whole; what a killed process was at is none.

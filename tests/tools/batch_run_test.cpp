@@ -262,15 +262,3 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
   CHECK(record.at("error_code") == "limit_exceeded");
   CHECK(contains(record.at("error").get<std::string>(), "raise --memory to"));  // and no --memory-limit
 }
-
-TEST_CASE("Status counts only whole results as done", "[command][batch]") {
-  const Batch batch(2);
-  batch.run_well("run");
-  const std::filesystem::path result = batch.results() / batch.result_names().front();
-  SECTION("without a file") { std::filesystem::remove(result / "sh.h"); }
-  SECTION("a cut one") { std::filesystem::resize_file(result / "specular.ktx2", 100); }
-  SECTION("a list that is none") { std::ofstream(result / "result.json") << "{}"; }
-  const nlohmann::json status = batch.run_well("status");
-  CHECK(status.at("done") == 1);
-  CHECK(status.at("left") == 1);
-}

@@ -1,16 +1,4 @@
 // `welkin check`: chains whose faults are known, and what is said of them.
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <fstream>
-#include <functional>
-#include <limits>
-#include <nlohmann/json.hpp>
-#include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "support/catch.h"
 #include "support/temporary_directory.h"
 #include "tools/command.h"
@@ -70,7 +58,7 @@ std::vector<std::string> findings_of(const nlohmann::json& report) {
 }
 
 /// Each mip of a chain changed on its own.
-Cubemap changed(const Cubemap& chain, const std::function<Cubemap(Cubemap mip)>& change) {
+Cubemap mips_changed(const Cubemap& chain, const std::function<Cubemap(Cubemap mip)>& change) {
   Cubemap result(chain.size(), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
     const std::size_t values = std::size_t{18} * static_cast<std::size_t>(chain.level_size(level)) *
@@ -82,7 +70,7 @@ Cubemap changed(const Cubemap& chain, const std::function<Cubemap(Cubemap mip)>&
 }
 
 Cubemap rotate_by(const Cubemap& chain, const glm::dmat3& rotation) {
-  return changed(chain, [&](const Cubemap& mip) { return to_cubemap(mip.view(), mip.size(), rotation); });
+  return mips_changed(chain, [&](const Cubemap& mip) { return to_cubemap(mip.view(), mip.size(), rotation); });
 }
 
 Cubemap with_values(const Cubemap& chain, const std::function<float(std::size_t index, float value)>& change) {
@@ -128,7 +116,7 @@ TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slo
       {rotate_by(chain, mirror), "mirrored in y"},
       {rotate_by(chain, rotation_about_y(90.0)), "rotated by 90 degrees about y"},
       {rotate_by(chain, rotation_about_y(180.0)), "rotated by 180 degrees about y"},
-      {changed(chain, swap_rows_of_top), "faces do not fit together: +Y shows +Y with rows mirrored"},
+      {mips_changed(chain, swap_rows_of_top), "faces do not fit together: +Y shows +Y with rows mirrored"},
       {with_values(chain, [](std::size_t /*index*/, float value) { return value * std::numbers::pi_v<float>; }),
        "scaled by 3.14"},
       {with_values(chain, [](std::size_t /*index*/, float value) { return value / 4.0F; }), "1/4 of the source"},

@@ -4,12 +4,17 @@
 #include "support/catch.h"
 #include "support/images.h"
 #include "support/same_bits.h"
-#include "tools/baked_folder.h"
 
 namespace welkin::test {
 
 CommandResult run_welkin(const std::string& arguments, const std::string& environment) {
   return run_program(WELKIN_COMMAND, arguments, environment);
+}
+
+CommandResult run_script(const std::string& lines) {
+  const TemporaryFile script("script.sh");
+  write_text(script, lines);
+  return run_program("/bin/sh", quoted(script));
 }
 
 nlohmann::json json_of(const std::string& text) { return nlohmann::json::parse(text); }
@@ -33,6 +38,14 @@ std::string failure(const std::string& arguments, int exit_code, const std::stri
   CHECK(result.output.empty());
   CHECK(result.errors.rfind("welkin: ", 0) == 0);
   return result.errors;
+}
+
+void check_refused(const std::string& start, const BadValues& options) {
+  for (const auto& [option, values] : options) {
+    for (const std::string& value : values) {
+      CHECK(contains(failure(start + ' ' + option + ' ' + value, 2), option));
+    }
+  }
 }
 
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment) {
@@ -102,6 +115,15 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+void check_same_files(const std::filesystem::path& folder, const std::filesystem::path& expected,
+                      const std::set<std::string>& left_out) {
+  REQUIRE(names_in(folder) == names_in(expected));
+  for (const std::string& name : names_in(expected)) {
+    INFO(name);
+    if (!left_out.contains(name)) CHECK((file_text(folder / name) == file_text(expected / name)));
+  }
 }
 
 std::vector<std::string> names_of(const nlohmann::json& manifest) {

@@ -1,4 +1,4 @@
-// Runs the built `welkin` as a user does, through a shell, and makes small files to read.
+// Runs the built `welkin` as a user does, through a shell, makes small files to read, and looks at what a bake left.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -21,6 +21,9 @@ CommandResult run_welkin(const std::string& arguments, const std::string& enviro
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment = "");
 
+/// Runs these lines by /bin/sh.
+CommandResult run_script(const std::string& lines);
+
 /// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
 nlohmann::json json_of(const std::string& text);
 
@@ -32,6 +35,12 @@ nlohmann::json json_printed_by(const std::string& arguments, const std::string& 
 
 /// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
 std::string failure(const std::string& arguments, int exit_code, const std::string& environment = "");
+
+/// Options and values that they do not take.
+using BadValues = std::map<std::string, std::vector<std::string>>;
+
+/// Runs `welkin START OPTION VALUE` for each of them, expects exit code 2 and the option's name on standard error.
+void check_refused(const std::string& start, const BadValues& options);
 
 /// That of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
@@ -57,6 +66,27 @@ std::vector<float> pixels_in(const std::filesystem::path& file);
 
 /// The same grey everywhere.
 std::vector<float> grey_image(int width, int height, float value);
+
+/// Requires that the file is there.
+std::string file_text(const std::filesystem::path& path);
+
+nlohmann::json manifest_of(const std::filesystem::path& folder);
+
+/// Runs `welkin bake ARGUMENTS -o FOLDER`, requires success and silence on standard error; the manifest.
+nlohmann::json bake_into(const std::filesystem::path& folder, const std::string& arguments,
+                         const std::string& environment = "");
+
+std::vector<std::string> names_in(const std::filesystem::path& folder);
+
+/// Checks that two folders have files of the same names, and but for those left out the same bytes in them.
+void check_same_files(const std::filesystem::path& folder, const std::filesystem::path& expected,
+                      const std::set<std::string>& left_out = {"manifest.json"});
+
+/// Those of the manifest, and the manifest itself.
+std::vector<std::string> names_of(const nlohmann::json& manifest);
+
+/// The manifest's entry for a file.
+nlohmann::json file_of(const nlohmann::json& manifest, const std::string& name);
 
 }  // namespace welkin::test
 

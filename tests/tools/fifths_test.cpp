@@ -1,11 +1,7 @@
 // `welkin bake --for playcanvas` and `--for qt`, texel by texel: each holds what the engine's shader reads there. The
 // shaders' lookups are written down here again in double, from PlayCanvas 2.23 (envAtlas, reflectionEnv, ambient,
 // spherical) and Qt Quick 3D 6.4 (sampleprobe.glsllib).
-#include <array>
-#include <functional>
-
 #include "files/env.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 using namespace welkin;

@@ -9,24 +9,6 @@
 #include "welkin/importance.h"
 
 namespace welkin::test {
-namespace {
-
-/// What follows a .npy header that names this shape and type.
-template <class Value>
-std::vector<Value> values_of(const std::filesystem::path& path, const std::string& type, const std::string& shape) {
-  const std::string bytes = read_text(path);
-  REQUIRE(bytes.size() > 10);
-  CHECK(bytes.substr(0, 8) == std::string("\x93NUMPY\x01\x00", 8));
-  const std::size_t header = static_cast<unsigned char>(bytes[8]) + 256U * static_cast<unsigned char>(bytes[9]);
-  CHECK((10 + header) % 64 == 0);
-  CHECK(bytes.substr(10, header).find("'descr': " + type + ", 'fortran_order': False, 'shape': " + shape) !=
-        std::string::npos);
-  std::vector<Value> values((bytes.size() - 10 - header) / sizeof(Value));
-  std::memcpy(values.data(), bytes.data() + 10 + header, values.size() * sizeof(Value));
-  return values;
-}
-
-}  // namespace
 
 TEST_CASE("importance: files hold the library's tables", "[tools][importance]") {
   const TemporaryDirectory scratch;
@@ -38,11 +20,11 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
              " --width 8 --height 5 --weight largest --mis-compensation --alias --pyramid");
   const ImportanceTable table = importance_table(
       image.view(), {.width = 8, .height = 5, .weight = ImportanceWeight::largest, .mis_compensation = true});
-  CHECK(values_of<float>(folder / "function.npy", "'<f4'", "(5, 8)") == table.function);
-  CHECK(values_of<float>(folder / "row_cdf.npy", "'<f4'", "(6, )") == table.row_cdf);
-  CHECK(values_of<float>(folder / "column_cdf.npy", "'<f4'", "(5, 9)") == table.column_cdf);
+  CHECK(npy_values<float>(folder / "function.npy", "'<f4'", "(5, 8)") == table.function);
+  CHECK(npy_values<float>(folder / "row_cdf.npy", "'<f4'", "(6, )") == table.row_cdf);
+  CHECK(npy_values<float>(folder / "column_cdf.npy", "'<f4'", "(5, 9)") == table.column_cdf);
   const AliasTable alias = alias_table(table);
-  const auto rows = values_of<AliasEntry>(folder / "alias_rows.npy", "[('own', '<f4'), ('other', '<u4')]", "(5, )");
+  const auto rows = npy_values<AliasEntry>(folder / "alias_rows.npy", "[('own', '<f4'), ('other', '<u4')]", "(5, )");
   REQUIRE(rows.size() == 5);
   for (std::size_t k = 0; k < 5; ++k) {
     CHECK(rows[k].own == alias.rows[k].own);
@@ -51,8 +33,8 @@ TEST_CASE("importance: files hold the library's tables", "[tools][importance]") 
   const ImportancePyramid pyramid = importance_pyramid(table);
   for (std::size_t level = 0; level < pyramid.levels.size(); ++level) {
     const auto& each = pyramid.levels[level];
-    CHECK(values_of<float>(folder / ("pyramid_" + std::to_string(level) + ".npy"), "'<f4'",
-                           "(" + std::to_string(each.height) + ", " + std::to_string(each.width) + ")") ==
+    CHECK(npy_values<float>(folder / ("pyramid_" + std::to_string(level) + ".npy"), "'<f4'",
+                            "(" + std::to_string(each.height) + ", " + std::to_string(each.width) + ")") ==
           each.probabilities);
   }
   const auto said = json_of(read_text(folder / "importance.json"));

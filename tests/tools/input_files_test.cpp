@@ -97,27 +97,17 @@ int write_corpus(const std::filesystem::path& folder, const std::filesystem::pat
   return written;
 }
 
-std::string output_of(const std::string& line) {
-  std::string output;
-  FILE* pipe = popen(line.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  char block[4096];
-  for (std::size_t read = 0; (read = fread(block, 1, sizeof(block), pipe)) > 0;) output.append(block, read);
-  CHECK(pclose(pipe) == 0);
-  return output;
-}
-
 }  // namespace
 
 TEST_CASE("command: damaged files within 512 MB", "[tools][damage][posix][slow]") {
   const TemporaryDirectory directory;
   std::filesystem::create_directory(directory.file("corpus"));
   const int files = write_corpus(directory.file("corpus"), directory.file(""));
-  const std::string script = std::string(WELKIN_TEST_DATA) + "/../tools/run_limited.sh";
-  std::istringstream results(output_of("cd " + quoted(directory.file("corpus")) +
-                                       " && ls | " WELKIN_SANITIZER_LIMIT "xargs -P 2 -I{} " +
-                                       quoted(std::filesystem::path(script)) + " " +
-                                       quoted(std::filesystem::path(WELKIN_COMMAND)) + " " WELKIN_LIMIT " {}"));
+  const CommandResult result = run_script(
+      "cd " + quoted(directory.file("corpus")) + " && ls | " WELKIN_SANITIZER_LIMIT "xargs -P 2 -I{} " +
+      quoted(WELKIN_TEST_DATA "/../tools/run_limited.sh") + " " + quoted(WELKIN_COMMAND) + " " WELKIN_LIMIT " {}");
+  CHECK(result.exit_code == 0);
+  std::istringstream results(result.output);
   int runs = 0;
   for (std::string line; std::getline(results, line); ++runs) {
     INFO("file, command, exit code, lines on standard error, their first word: " << line);

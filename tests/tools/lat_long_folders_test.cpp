@@ -3,7 +3,6 @@
 #include "places.h"
 #include "platform/text.h"
 #include "support/images.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"

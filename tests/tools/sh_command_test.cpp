@@ -1,9 +1,9 @@
 
 #include "support/catch.h"
 #include "tools/command.h"
-#include "tools/sky_command.h"
 #include "welkin/engines.h"
 #include "welkin/projection.h"
+#include "welkin/sky.h"
 #include "welkin/spherical_harmonics.h"
 
 using namespace welkin;
@@ -12,6 +12,13 @@ using namespace welkin::test;
 // `welkin sh --json` has the documented shape and every digit of what the library computes.
 
 namespace {
+
+/// What the command bakes and projects where no file is named, as the library makes it.
+LatLongImage built_in_sky() {
+  SkyTableOptions options{.heights = 8, .view_zeniths = 64, .sun_zeniths = 16};
+  const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
+  return sky_lat_long(view, sun_direction(40.0, 25.0), 512, {.sun_disc = true});
+}
 
 bool is_triple(const nlohmann::json& value) {
   return value.is_array() && value.size() == 3 && value[0].is_number() && value[1].is_number() && value[2].is_number();
@@ -154,8 +161,6 @@ glm::dvec3 numbers_behind(const std::string& name, const std::string& text) {
   return {};
 }
 
-bool run_shell(const std::string& command) { return std::system(command.c_str()) == 0; }
-
 // What a C program that includes the header prints for `expression`s, one a line.
 std::string printed_by_c(const std::string& header, const std::string& expressions) {
   const TemporaryDirectory folder;
@@ -163,13 +168,12 @@ std::string printed_by_c(const std::string& header, const std::string& expressio
   std::ofstream(folder.path() / "main.c") << "#include \"light.h\"\n#include \"light.h\"\n#include <stdio.h>\n"
                                           << "int main(void) {\n"
                                           << expressions << "  return 0;\n}\n";
-  const std::string in_folder = "cd " + quoted(folder.path()) + " && ";
-  REQUIRE(run_shell(in_folder + "cc -std=c99 -pedantic -Wall -Wno-unused-const-variable -Wno-unused-variable -Werror "
-                                "-o main main.c && ./main > printed"));
-  std::ifstream printed(folder.path() / "printed");
-  std::stringstream text;
-  text << printed.rdbuf();
-  return text.str();
+  const CommandResult result = run_script("cd " + quoted(folder.path()) +
+                                          " && cc -std=c99 -pedantic -Wall -Wno-unused-const-variable "
+                                          "-Wno-unused-variable -Werror -o main main.c && ./main");
+  INFO(result.errors);
+  REQUIRE(result.exit_code == 0);
+  return result.output;
 }
 
 }  // namespace
@@ -243,14 +247,14 @@ TEST_CASE("sh: GLSL has Welkin's form in the axes that are asked for, and compil
     const std::string code = printed_by("sh " + small_image() + " --format glsl" + axes);
     check_numbers(numbers_of_rows("  vec3(", code), engine_light_unrotated(light, Engine::welkin));
     CHECK(contains(code, "vec3 diffuse_light(vec3 n) {"));
-    if (!run_shell("command -v glslangValidator >/dev/null 2>&1")) continue;
+    if (run_script("command -v glslangValidator").exit_code != 0) continue;
     const TemporaryDirectory folder;
     for (const char* const version : {"330", "300 es\nprecision highp float;"}) {
       std::ofstream(folder.path() / "light.frag") << "#version " << version << '\n'
                                                   << code
                                                   << "in vec3 n;\nout vec3 colour;\n"
                                                      "void main() { colour = diffuse_light(normalize(n)); }\n";
-      CHECK(run_shell("glslangValidator " + quoted(folder.path() / "light.frag") + " >/dev/null"));
+      CHECK(run_script("glslangValidator " + quoted(folder.path() / "light.frag")).exit_code == 0);
     }
   }
 }
@@ -354,8 +358,8 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
   CHECK(glm::length(made.at(1, 1) - plain.at(1, 0)) < 1e-12);
   CHECK(glm::length(made.at(1, -1) - plain.at(1, -1)) < 1e-12);
   CHECK(distance(made, rotate(plain, glm::angleAxis(std::acos(-1.0) / 2.0, glm::dvec3(0, 1, 0)))) < 1e-12);
-  const std::string half = std::to_string(std::sqrt(0.5));
-  CHECK(distance(made, light(" --rotation 0," + half + ",0," + half)) < 1e-12);
+  const std::string root = std::to_string(std::sqrt(0.5));
+  CHECK(distance(made, light(" --rotation 0," + root + ",0," + root)) < 1e-12);
   CHECK(distance(plain, light(" --yaw 30 --rotation 0,0.25881904510252074,0,-0.9659258262890683")) < 1e-12);
   CHECK(distance(plain, light(" --yaw 360")) == 0.0);
 }

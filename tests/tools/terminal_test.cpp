@@ -1,7 +1,6 @@
 
 #include "places.h"
 #include "support/catch.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 #include "welkin/core.h"
 #include "welkin/reflections.h"

@@ -9,7 +9,6 @@
 #include "platform/file.h"
 #include "support/catch.h"
 #include "support/trials.h"
-#include "tools/baked_folder.h"
 #include "tools/command.h"
 
 namespace welkin::test {
@@ -78,8 +77,8 @@ TEST_CASE("A file that outgrows its limit ends the command by the error that nam
   const TemporaryDirectory folder;
   const std::filesystem::path input = large_image(folder);
   const std::filesystem::path out = folder.path() / "made.pfm";
-  const CommandResult result = run_program(
-      "/bin/sh", "-c 'ulimit -f 100; exec " WELKIN_COMMAND " convert " + input.string() + ' ' + out.string() + "'");
+  const CommandResult result =
+      run_script("ulimit -f 100; exec '" WELKIN_COMMAND "' convert " + quoted(input) + ' ' + quoted(out));
   INFO(result.errors);
   CHECK(result.exit_code == 128 + SIGXFSZ);
   CHECK(contains(result.errors, "made.pfm: could not be written"));
@@ -95,10 +94,9 @@ TEST_CASE("What killed runs left in a folder is tidied by the next one, and bloc
   write_text(out / ".welkin-77-3-1700000000000000000.part", "left");
   write_text(out / ".welkin-mine.part", "somebody's");
   // In a container each run is process 1; the name is what an earlier version would have taken.
-  const CommandResult result =
-      run_program("/bin/sh", "-c 'touch " + (out / "manifest.json.welkin-").string() +
-                                 "$$; exec " WELKIN_COMMAND " bake --sky -o " + out.string() +
-                                 " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews'");
+  const CommandResult result = run_script("touch '" + (out / "manifest.json.welkin-").string() +
+                                          "'$$; exec '" WELKIN_COMMAND "' bake --sky -o " + quoted(out) +
+                                          " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews");
   INFO(result.errors);
   CHECK(result.exit_code == 0);
   CHECK_FALSE(std::filesystem::exists(out / ".welkin-1-0.part"));
@@ -156,26 +154,17 @@ TEST_CASE("Two bakes into one folder come one after the other, and caches keep n
   };
   REQUIRE(run_welkin(bake("16", "alone16")).exit_code == 0);
   REQUIRE(run_welkin(bake("32", "alone32")).exit_code == 0);
-  const auto differ = [&](const std::string& one, const std::string& other) {
-    std::string names;
-    for (const std::string& name : names_in(folder.path() / one)) {
-      const bool same = file_text(folder.path() / one / name) == file_text(folder.path() / other / name);
-      if (name != "manifest.json" && !same) names += name + ' ';
-    }
-    return names;
-  };
   for (int run = 0; run < 4; ++run) {
     const std::string cache = " --cache " + quoted(folder.path() / ("cache" + std::to_string(run)));
     const std::string both = "'" WELKIN_COMMAND "' " + bake("16", "both") + cache + " & '" WELKIN_COMMAND "' " +
                              bake("32", "both") + cache + " & wait";
-    write_text(folder.path() / "both.sh", both);
-    REQUIRE(run_program("/bin/sh", quoted(folder.path() / "both.sh")).exit_code == 0);
+    REQUIRE(run_script(both).exit_code == 0);
     const int size = manifest_of(folder.path() / "both").at("options").at("size");
-    CHECK(differ("both", "alone" + std::to_string(size)).empty());
+    check_same_files(folder.path() / "both", folder.path() / ("alone" + std::to_string(size)));
     for (const std::string& kept : {std::string("16"), std::string("32")}) {
       REQUIRE(run_welkin(bake(kept, "kept") + cache).exit_code == 0);
       REQUIRE(manifest_of(folder.path() / "kept").at("times").size() == 1);  // all of it is from the cache
-      CHECK(differ("kept", "alone" + kept).empty());
+      check_same_files(folder.path() / "kept", folder.path() / ("alone" + kept));
     }
   }
 }
@@ -189,8 +178,7 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
   const std::string line = "timeout --foreground -s INT 2 '" WELKIN_COMMAND
                            "' bake --sky --size 16 --irradiance 4 --brdf 8 --formats ktx2 --no-previews -o " +
                            quoted(out);
-  write_text(folder.path() / "run.sh", line + "; test $? = 124");
-  const CommandResult result = run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+  const CommandResult result = run_script(line + "; test $? = 124");
   INFO(result.errors);
   CHECK(result.exit_code == 0);
   CHECK(contains(result.errors, "welkin: stopped ("));
@@ -199,9 +187,8 @@ TEST_CASE("A bake that waits for another in its folder ends by a signal", "[comm
 
 TEST_CASE("Standard streams that the caller has closed become nobody's", "[command][unlucky][slow]") {
   const TemporaryDirectory folder;
-  const auto run = [&](const std::string& command, const std::string& closed) {
-    write_text(folder.path() / "run.sh", "exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
-    return run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+  const auto run = [](const std::string& command, const std::string& closed) {
+    return run_script("exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
   };
   // What --verbose says would otherwise go to whatever was opened first: to the pipe by which signals stop the work.
   const std::string bake =
@@ -228,9 +215,8 @@ TEST_CASE("A pipe is an input as good as a file", "[command][unlucky]") {
   write_pfm(input, 8, 4, grey_image(8, 4, 0.5F));
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   const auto run = [&](const std::string& command) {
-    write_text(folder.path() / "run.sh", "cat " + quoted(input) + " >" + quoted(pipe) +
-                                             " & timeout 60 '" WELKIN_COMMAND "' " + command + ' ' + quoted(pipe));
-    return run_program("/bin/sh", quoted(folder.path() / "run.sh"));
+    return run_script("cat " + quoted(input) + " >" + quoted(pipe) + " & timeout 60 '" WELKIN_COMMAND "' " + command +
+                      ' ' + quoted(pipe));
   };
   const std::string out = quoted(folder.path() / "out");
   for (const std::string& command :

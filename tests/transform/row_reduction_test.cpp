@@ -7,7 +7,6 @@
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/test_environments.h"
-#include "support/thrown_error.h"
 #include "support/trials.h"
 #include "transform/dark_scale.h"
 #include "transform/reduction_kernels.h"
@@ -193,31 +192,6 @@ TEST_CASE("Columns are halved as the definition says", "[transform][reduction][k
       CHECK(error < 1e-6);
     }
   }
-}
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("Tiles that bring rows to fewer allocate nothing", "[transform][reduction][allocation]") {
-  const TestLatLong source = make_lat_long(Content::random, 1024, 512, 42);
-  for (const int threads : {1, 3}) {
-    run_with_threads(threads, [&] {
-      forget_allocations_in_tiles();
-      static_cast<void>(transforms::analyse(source.view(), 60, {}, SourceRows::fewer));
-      CHECK(allocations_in_tiles() == 0);
-    });
-  }
-}
-#endif
-
-TEST_CASE("Bringing rows to fewer can be stopped", "[transform][reduction][cancellation]") {
-  const TestLatLong source = make_lat_long(Content::random, 1024, 512, 43);
-  stop_source stop;
-  int calls = 0;
-  const Control stopping{stop.get_token(), [&](double) {
-                           if (++calls == 3) stop.request_stop();
-                         }};
-  CHECK(thrown_by([&] {
-          static_cast<void>(transforms::analyse(source.view(), 60, stopping, SourceRows::fewer));
-        }).code == ErrorCode::cancelled);
 }
 
 // Promise: a dark image has the bits of a bright one, smaller by a power of two. Flushed denormals do not show.

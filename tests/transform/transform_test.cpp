@@ -1,20 +1,16 @@
 // The fast transform between grids and hundreds of bands, and the Fourier transforms of its rings.
 #include "math/quadrature.h"
-#include "reference/reference_projection.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/sun_maps.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
 #include "support/trials.h"
 #include "transform/direct_transform.h"
-#include "transform/frame_transform.h"
 #include "transform/ring_fft.h"
 #include "transform/spectrum.h"
 #include "transform/transform_kernels.h"
 #include "welkin/core.h"
 #include "welkin/image.h"
-#include "welkin/projection.h"
 
 namespace welkin::test {
 
@@ -122,57 +118,6 @@ TEST_CASE("Analysis gives the integrals over the texels' areas", "[specular][tra
       const transforms::Spectrum spectrum = transforms::analyse(image.view(), bands, {});
       REQUIRE(spectrum.bands() == bands);
       CHECK(largest_difference(coefficients_of(spectrum), truth) < 3e-7 * largest(truth));
-    }
-  }
-}
-
-namespace {
-
-// Y(l, m) = sqrt(2) P cos(m phi), Y(l, -m) = sqrt(2) P sin(m phi) for m > 0, and c = Int f P e^(-i m phi): in the frame
-// whose third axis is y. The canonical frame's is z.
-
-/// The first bands in Welkin's canonical real form.
-SphericalHarmonics harmonics_of(const transforms::Spectrum& spectrum, int bands) {
-  const auto functions = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
-  std::vector<double> local(3 * functions);
-  std::vector<double> canonical(3 * functions);
-  std::vector<int> place(functions);
-  for (std::size_t k = 0; k < functions; ++k) place[k] = static_cast<int>(k);
-  for (int channel = 0; channel < 3; ++channel) {
-    double* const here = local.data() + static_cast<std::size_t>(channel) * functions;
-    for (int l = 0; l < bands; ++l) {
-      for (int m = 0; m <= l; ++m) {
-        const std::complex<double> c = spectrum.value(l, m, channel) * (m > 0 ? std::numbers::sqrt2 : 1.0);
-        here[SphericalHarmonics::index(l, m)] = c.real();
-        if (m > 0) here[SphericalHarmonics::index(l, -m)] = -c.imag();
-      }
-    }
-  }
-  transforms::lat_long_transform(bands).add(local.data(), place.data(), canonical.data());
-  SphericalHarmonics result(bands);
-  for (std::size_t k = 0; k < functions; ++k) {
-    result.coefficients()[k] = {canonical[k], canonical[functions + k], canonical[2 * functions + k]};
-  }
-  return result;
-}
-
-}  // namespace
-
-TEST_CASE("The first bands are those of the reference projection", "[specular][transform][truth]") {
-  for (const auto& [width, height] : {std::pair{64, 32}, std::pair{33, 17}, std::pair{2, 1}, std::pair{512, 256}}) {
-    for (const int bands : {1, 3, 16}) {
-      CAPTURE(width, height, bands);
-      const LatLongImage image = image_of(Content::high_range, width, height, 6);
-      const ProjectionOptions options{.bands = bands};
-      const SphericalHarmonics truth = reference_projection(image.view(), options);
-      const SphericalHarmonics found = harmonics_of(transforms::analyse(image.view(), bands + 5, {}), bands);
-      double most = 0.0;
-      double error = 0.0;
-      for (std::size_t k = 0; k < truth.coefficients().size(); ++k) {
-        most = std::max(most, glm::length(truth.coefficients()[k]));
-        error = std::max(error, glm::length(found.coefficients()[k] - truth.coefficients()[k]));
-      }
-      CHECK(error < 1e-6 * most);
     }
   }
 }
@@ -325,51 +270,6 @@ TEST_CASE("Many bands begin where they should", "[specular][transform][slow]") {
     error = std::max(error, std::abs(truth - static_cast<double>(grid.texel(column, ring)[0])));
   }
   CHECK(error < 2e-5);  // values are of order 1
-}
-
-// The transform's bits do not depend on threads or instruction set, its tiles allocate nothing, and it stops when told.
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("The transform's tiles allocate nothing", "[specular][transform][allocation]") {
-  for (const int width : {512, 509}) {  // the second one prime: a convolution
-    const TestLatLong source = make_lat_long(Content::random, width, 256, 42);
-    for (const int threads : {1, 3}) {
-      run_with_threads(threads, [&] {
-        forget_allocations_in_tiles();
-        const transforms::Spectrum spectrum = transforms::analyse(source.view(), 120, {});
-        SphereGrid grid(160, 320, GridContent::spline_coefficients);
-        transforms::synthesise(spectrum, std::vector<double>(120, 1.0), grid, {});
-        CHECK(allocations_in_tiles() == 0);
-      });
-    }
-  }
-}
-#endif
-
-TEST_CASE("The transform can be stopped and says how far it is", "[specular][transform][cancellation]") {
-  const TestLatLong source = make_lat_long(Content::random, 512, 256, 43);
-  const std::vector<double> zonal(100, 1.0);
-  const transforms::Spectrum spectrum = transforms::analyse(source.view(), 100, {});
-  SphereGrid grid(128, 256, GridContent::samples);
-  const std::function<void(const Control&)> ways[] = {
-      [&](const Control& control) { static_cast<void>(transforms::analyse(source.view(), 100, control)); },
-      [&](const Control& control) { transforms::synthesise(spectrum, zonal, grid, control); }};
-  for (const auto& way : ways) {
-    std::vector<double> done;
-    way({{}, [&](double part) { done.push_back(part); }});
-    REQUIRE(done.size() > 10);
-    CHECK(std::is_sorted(done.begin(), done.end()));
-    CHECK(done.back() == 1.0);
-    for (const double moment : {0.0, 0.1, 0.3, 0.7}) {
-      CAPTURE(moment);
-      stop_source stop;
-      if (moment == 0.0) stop.request_stop();
-      const Control stopping{stop.get_token(), [&](double part) {
-                               if (part >= moment) stop.request_stop();
-                             }};
-      CHECK(thrown_by([&] { way(stopping); }).code == ErrorCode::cancelled);
-    }
-  }
 }
 
 TEST_CASE("The transform refuses what it cannot do", "[specular][transform]") {

@@ -97,11 +97,17 @@ BakedProbes bake_grid(const py::object& pixels, const py::object& depths, const 
   Call call("bake_probes", options);
   options.finish();
   require_counts("bake_probes", grid);
+  std::vector<dvec3> moved;
+  if (offsets && !offsets.is_none()) moved = triples_of(offsets, "offsets");
+  if (!moved.empty() && moved.size() != grid.size()) {
+    throw Error(ErrorCode::invalid_argument, options.called("offsets") + " has " + counted(moved.size(), "value") +
+                                                 "; the grid has " + counted(grid.size(), "probe"));
+  }
   const DepthArray distances = depths.is_none() ? DepthArray() : DepthArray::ensure(depths);
   const std::vector<DepthView> views = depths.is_none() ? std::vector<DepthView>{} : depths_in(distances);
   BakedProbes made =
       call.run([&](const Control& control) { return bake_probes(grid, cubes.views, views, how, control); });
-  if (offsets && !offsets.is_none()) made.offsets = triples_of(offsets, "offsets");
+  made.offsets = std::move(moved);
   return made;
 }
 

@@ -79,7 +79,11 @@ Rows rows_of(const py::array& array, py::ssize_t axis, PixelFormat format) {
   const bool apart = std::abs(stride) >= width * texel;
   const bool aligned =
       reinterpret_cast<std::uintptr_t>(first) % static_cast<std::uintptr_t>(item) == 0 && stride % item == 0;
-  if (array.size() > 0 && (!packed || !aligned || !apart)) {
+  if (array.size() > 0 && packed && !aligned) {
+    refuse("values must lie at multiples of their " + std::to_string(item) +
+           " bytes; numpy.array(pixels) makes a copy that does");
+  }
+  if (array.size() > 0 && (!packed || !apart)) {
     refuse(
         "channels and the texels of a row must lie packed in memory (rows may lie apart, or bottom-up); found "
         "strides " +

@@ -89,6 +89,15 @@ def test_other_strides_are_refused_and_said(picture, view):
     welkin.project(np.ascontiguousarray(view(picture)))
 
 
+def test_misaligned_values_are_refused_and_said(picture):
+    shifted = np.frombuffer(bytearray(b"x" + picture.tobytes()), np.uint8)[1:]
+    misaligned = shifted.view(picture.dtype).reshape(picture.shape)
+    with pytest.raises(welkin.InvalidArgument, match="multiples of their 4 bytes"):
+        welkin.project(misaligned)
+    again = welkin.project(np.array(misaligned)).radiance.coefficients
+    np.testing.assert_array_equal(again, welkin.project(picture).radiance.coefficients)
+
+
 @pytest.mark.parametrize(
     ("pixels", "words"),
     [

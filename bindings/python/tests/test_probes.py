@@ -31,6 +31,9 @@ def test_a_grid_is_baked_looked_up_and_read_back(tmp_path):
     with pytest.raises(welkin.InvalidArgument, match="2 positions and 1 normals"):
         probes.irradiance(probes.positions[:2], [(0, 1, 0)])
 
+    with pytest.raises(welkin.InvalidArgument, match="2 values; the grid has 6 probes"):
+        welkin.bake_probes(pixels, depths, counts=COUNTS, spacing=(1, 2, 1), offsets=np.zeros((2, 3)))
+
     offsets = welkin.relocate_probes(depths, counts=COUNTS, spacing=(1, 2, 1))
     assert offsets.shape == (6, 3) and np.count_nonzero(offsets.any(axis=1)) == 1
     np.testing.assert_allclose(np.linalg.norm(offsets[2]), 0.3 + 0.12, rtol=1e-6)
