@@ -23,7 +23,7 @@ if(NOT welkin_all_codecs)
   message(STATUS "A codec is left out: so are the tests that read or write files")
   list(FILTER sources EXCLUDE REGEX "^(files|cache|tools)/|^same_as_before/(files|bakes)_|\
 ^(bake/bake_sources|c/c_interface|c/targets_in_c|harmonics/real_engines|image/pixels|image/resampling|projection/irradiance|\
-projection/sun_detection|reflections/prefilter|worker/errors|worker/results|worker/sources_and_handles)_test")
+projection/sun_detection|reflections/prefilter|worker/errors|worker/sources_and_handles)_test")
 endif()
 if(NOT WELKIN_ASTC)
   list(REMOVE_ITEM sources files/astc_test.cpp)

@@ -12,7 +12,7 @@
 #include "image/pixels.h"
 #include "image/sphere_grid.h"
 #include "jobs/tiles.h"
-#include "platform/standard_library.h"
+#include "platform/text.h"
 #include "projection/sanitizer.h"
 #include "reflections/brdf_table.h"
 #include "reflections/bright_lights.h"
@@ -440,8 +440,7 @@ class BakePlanner {
 const char* name(BakePass pass) noexcept {
   constexpr std::array names{"sanitize", "specular",   "background", "background mips",
                              "project",  "irradiance", "brdf",       "octahedral"};
-  static_assert(names.size() == static_cast<std::size_t>(BakePass::octahedral) + 1);
-  return names[static_cast<std::size_t>(pass)];
+  return platform::name_in<BakePass::octahedral>(names, pass, "");
 }
 
 std::uint64_t chain_texels(int size, int levels) noexcept {

@@ -10,6 +10,7 @@
 #include "jobs/tiles.h"
 #include "platform/float_environment.h"
 #include "platform/standard_library.h"
+#include "platform/text.h"
 #include "reflections/brdf_table.h"
 #include "reflections/prefilter.h"
 #include "sky/elevation_curve.h"
@@ -45,8 +46,7 @@ enum class SkyPass {
 const char* name(SkyPass pass) noexcept {
   constexpr std::array names{"transmittance", "sun paths", "orders",  "scattering", "aerosol",    "absorbers",
                              "view",          "curve",     "project", "specular",   "background", "brdf"};
-  static_assert(names.size() == static_cast<std::size_t>(SkyPass::brdf) + 1);
-  return names[static_cast<std::size_t>(pass)];
+  return platform::name_in<SkyPass::brdf>(names, pass, "");
 }
 
 SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& full_options) {

@@ -1,9 +1,11 @@
 // Which kernels this machine can run. Compiled for the baseline, so that asking never faults.
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
 
+#include "platform/text.h"
 #include "welkin/core.h"
 
 // Sets that this build has no kernels for (cmake/instruction_sets.cmake), as words.
@@ -150,14 +152,8 @@ std::atomic<int> active{kUndecided};
 }  // namespace
 
 const char* name(InstructionSet set) noexcept {
-  switch (set) {
-    case InstructionSet::sse2: return "sse2";
-    case InstructionSet::avx2: return "avx2";
-    case InstructionSet::avx512: return "avx512";
-    case InstructionSet::neon: return "neon";
-    case InstructionSet::simd128: return "simd128";
-  }
-  return "unknown";
+  constexpr std::array names{"sse2", "avx2", "avx512", "neon", "simd128"};
+  return platform::name_in<InstructionSet::simd128>(names, set, "unknown");
 }
 
 std::vector<InstructionSet> available_instruction_sets() {

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -59,13 +60,22 @@ std::uint64_t set(ProbeTexture& texture, int x, int y, int z, const Texel& texel
   return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
 }
 
-/// Calls work(slice) for each slice of a texture; returns the sum of what it returns.
-template <class Work>
-std::uint64_t for_each_slice(int slices, std::int64_t texels, const Control& control, const Work& work) {
-  std::vector<std::uint64_t> clamped(static_cast<std::size_t>(slices));
+/// Calls visit(column, row, slice) for all columns, rows and slices, slices side by side: work as on so many texels.
+/// Returns the sum of what it returns.
+template <class Visit>
+std::uint64_t for_each_place(const std::array<int, 3>& size, std::int64_t texels, const Control& control,
+                             const Visit& visit) {
+  std::vector<std::uint64_t> clamped(static_cast<std::size_t>(size[2]));
   const auto placement = jobs::placement_for(texels);
   jobs::run_tiles(clamped.size(), placement, jobs::worker_count(placement), control,
-                  [&](std::size_t slice, std::size_t /*worker*/) { clamped[slice] = work(static_cast<int>(slice)); });
+                  [&](std::size_t slice, std::size_t /*worker*/) {
+                    std::uint64_t sum = 0;
+                    for (int row = 0; row < size[1]; ++row) {
+                      for (int column = 0; column < size[0]; ++column)
+                        sum += visit(column, row, static_cast<int>(slice));
+                    }
+                    clamped[slice] = sum;
+                  });
   std::uint64_t sum = 0;
   for (const std::uint64_t each : clamped) sum += each;
   return sum;
@@ -82,64 +92,49 @@ std::size_t number_of(const ProbeGrid& grid, int x, int y, int z) {
              (static_cast<std::size_t>(y) + static_cast<std::size_t>(grid.counts[1]) * static_cast<std::size_t>(z));
 }
 
-constexpr int kBrickEdge = 4;         // probes: three cells and one more
-constexpr int kMaxBricksInRow = 512;  // 2048 texels
-
-/// Fills a texture whose slices are those of the grid, again and again: texel(slice, x, y).
-template <class TexelAt>
-std::uint64_t fill(ProbeTexture& texture, const ProbeGrid& grid, int slices, std::int64_t texels,
-                   const Control& control, const TexelAt& texel) {
-  return for_each_slice(slices, texels, control, [&](int slice) {
-    std::uint64_t clamped = 0;
-    for (int y = 0; y < grid.counts[1]; ++y) {
-      for (int x = 0; x < grid.counts[0]; ++x) clamped += set(texture, x, y, slice, texel(slice, x, y));
-    }
-    return clamped;
-  });
-}
-
 PackedProbes pack_three(const BakedProbes& probes, const Control& control) {
   constexpr int volumes = 7;
   PackedProbes packed{ProbeLayout::three, {}, {}, 0};
-  const int columns = probes.grid.counts[0];
-  const int rows = probes.grid.counts[1];
-  const int slices = probes.grid.counts[2];
+  const auto [columns, rows, slices] = probes.grid.counts;
   const int padded = slices + 2;
   add_texture(packed, "texture", {columns, rows, volumes * padded});
-  packed.values_clamped = fill(packed.textures[0], probes.grid, volumes * padded,
-                               std::int64_t{64} * columns * rows * padded, control, [&](int slice, int x, int y) {
-                                 const int z = std::clamp(slice % padded - 1, 0, slices - 1);
-                                 // Nine colours in a row, four numbers of them a volume; the last number is 0.
-                                 Texel texel{};
-                                 for (std::size_t c = 0; c < 4; ++c) {
-                                   const std::size_t number = static_cast<std::size_t>(slice / padded) * 4 + c;
-                                   if (number >= 27) continue;
-                                   texel[c] = static_cast<float>(coefficient(probes, number_of(probes.grid, x, y, z),
-                                                                             number / 3)[static_cast<int>(number % 3)]);
-                                 }
-                                 return texel;
-                               });
+  const auto pack_texel = [&, slices = slices](int x, int y, int slice) {
+    const int z = std::clamp(slice % padded - 1, 0, slices - 1);
+    // Nine colours in a row, four numbers of them a volume; the last number is 0.
+    Texel texel{};
+    for (std::size_t c = 0; c < 4; ++c) {
+      const std::size_t number = static_cast<std::size_t>(slice / padded) * 4 + c;
+      if (number >= 27) continue;
+      const dvec3 rgb = coefficient(probes, number_of(probes.grid, x, y, z), number / 3);
+      texel[c] = static_cast<float>(rgb[static_cast<int>(number % 3)]);
+    }
+    return set(packed.textures[0], x, y, slice, texel);
+  };
+  packed.values_clamped =
+      for_each_place(packed.textures[0].size, std::int64_t{64} * columns * rows * padded, control, pack_texel);
   return packed;
 }
 
 PackedProbes pack_plain(const BakedProbes& probes, const Control& control) {
   PackedProbes packed{ProbeLayout::plain, {}, {}, 0};
-  const int columns = probes.grid.counts[0];
-  const int rows = probes.grid.counts[1];
-  const int slices = probes.grid.counts[2];
-  const int volumes = probes.bands * probes.bands;
-  add_texture(packed, "coefficients", {columns, rows, volumes * slices});
-  packed.values_clamped = fill(packed.textures[0], probes.grid, volumes * slices,
-                               std::int64_t{64} * columns * rows * slices, control, [&](int slice, int x, int y) {
-                                 const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
-                                 const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
-                                 return Texel{static_cast<float>(rgb.x), static_cast<float>(rgb.y),
-                                              static_cast<float>(rgb.z), probes.validity[probe]};
-                               });
+  const auto [columns, rows, slices] = probes.grid.counts;
+  add_texture(packed, "coefficients", {columns, rows, probes.bands * probes.bands * slices});
+  const auto pack_texel = [&, slices = slices](int x, int y, int slice) {
+    const std::size_t probe = number_of(probes.grid, x, y, slice % slices);
+    const dvec3 rgb = coefficient(probes, probe, static_cast<std::size_t>(slice / slices));
+    return set(
+        packed.textures[0], x, y, slice,
+        {static_cast<float>(rgb.x), static_cast<float>(rgb.y), static_cast<float>(rgb.z), probes.validity[probe]});
+  };
+  packed.values_clamped =
+      for_each_place(packed.textures[0].size, std::int64_t{64} * columns * rows * slices, control, pack_texel);
   return packed;
 }
 
 // ---- Unity
+
+constexpr int kBrickEdge = 4;         // probes: three cells and one more
+constexpr int kMaxBricksInRow = 512;  // 2048 texels
 
 // APV_L1_ENCODING_SCALE, twice, and APV_L2_ENCODING_SCALE.
 constexpr double kFirstScale = 4.0;
@@ -195,7 +190,7 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
   for (std::size_t k = 0; k < count; ++k) {
     add_texture(packed, names[k], {in_row * kBrickEdge, rows * kBrickEdge, layers * kBrickEdge});
   }
-  const auto pack_brick = [&](int brick) {
+  const auto pack_brick = [&](int /*column*/, int /*row*/, int brick) {
     std::uint64_t clamped = 0;
     const std::array<int, 3> first{3 * (brick % packed.bricks[0]), 3 * (brick / packed.bricks[0] % packed.bricks[1]),
                                    3 * (brick / packed.bricks[0] / packed.bricks[1])};
@@ -217,7 +212,7 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
     }
     return clamped;
   };
-  packed.values_clamped = for_each_slice(static_cast<int>(bricks), bricks * 100'000, control, pack_brick);
+  packed.values_clamped = for_each_place({1, 1, static_cast<int>(bricks)}, bricks * 100'000, control, pack_brick);
   return packed;
 }
 
@@ -294,55 +289,46 @@ std::vector<dvec3> map_directions() {
   return directions;
 }
 
-/// A probe's maps, and where they lie: columns along x, rows along z, a layer per plane of y.
-struct ProbeTexel {
-  std::size_t probe;
-  int x;
-  int y;
-  int z;
-};
-
+/// Of the probe at that place of the grid. Columns lie along x, rows along z, a layer per plane of y.
 std::uint64_t pack_maps(std::vector<ProbeTexture>& textures, const BakedProbes& probes,
-                        const std::vector<dvec3>& directions, const ProbeTexel& at) {
+                        const std::vector<dvec3>& directions, const glm::ivec3& at) {
+  const std::size_t probe = number_of(probes.grid, at.x, at.y, at.z);
   std::uint64_t clamped = 0;
   for (int texel = 0; texel < kIrradianceEdge * kIrradianceEdge; ++texel) {
-    const dvec3 light = irradiance_of(probes, at.probe, directions[static_cast<std::size_t>(texel)]);
+    const dvec3 light = irradiance_of(probes, probe, directions[static_cast<std::size_t>(texel)]);
     clamped += set(textures[0], at.x * kIrradianceEdge + texel % kIrradianceEdge,
                    at.z * kIrradianceEdge + texel / kIrradianceEdge, at.y,
                    {encoded(light.x), encoded(light.y), encoded(light.z), 1.0F});
   }
   const int edge = probes.distance_edge();
-  const float* moments = probes.distances.data() + at.probe * distance_floats(probes);
+  const float* moments = probes.distances.data() + probe * distance_floats(probes);
   for (int texel = 0; texel < edge * edge; ++texel, moments += 2) {
     clamped += set(textures[1], at.x * edge + texel % edge, at.z * edge + texel / edge, at.y,
                    {0.5F * moments[0], 0.5F * moments[1], 0.0F, 1.0F});
   }
-  const dvec3 moved = probes.offsets.empty() ? dvec3(0.0) : probes.offsets[at.probe] / probes.grid.spacing;
+  const dvec3 moved = probes.offsets.empty() ? dvec3(0.0) : probes.offsets[probe] / probes.grid.spacing;
   return clamped + set(textures[2], at.x, at.z, at.y,
                        {static_cast<float>(moved.x), static_cast<float>(moved.y), static_cast<float>(moved.z),
-                        probes.passes[at.probe] == kUnfilled ? 1.0F : 0.0F});
+                        probes.passes[probe] == kUnfilled ? 1.0F : 0.0F});
 }
 
 PackedProbes pack_bevy(const BakedProbes& probes, const Control& control) {
   PackedProbes packed{ProbeLayout::bevy, {}, {}, 0};
   const auto [columns, rows, slices] = probes.grid.counts;
   add_texture(packed, "voxels", {columns, 2 * rows, 3 * slices});
-  const auto pack_slice = [&, columns = columns, rows = rows, slices = slices](int z) {
+  const auto pack_cube = [&, rows = rows, slices = slices](int x, int y, int z) {
     std::uint64_t clamped = 0;
-    for (int y = 0; y < rows; ++y) {
-      for (int x = 0; x < columns; ++x) {
-        const auto sides = cube_sides(probes, number_of(probes.grid, x, y, z));
-        for (int side = 0; side < 6; ++side) {
-          const dvec3& light = sides[static_cast<std::size_t>(side)];
-          const int half = side % 2 == 0 ? rows : 0;  // negative sides
-          clamped += set(packed.textures[0], x, y + half, z + side / 2 * slices,
-                         {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0F});
-        }
-      }
+    const auto sides = cube_sides(probes, number_of(probes.grid, x, y, z));
+    for (int side = 0; side < 6; ++side) {
+      const dvec3& light = sides[static_cast<std::size_t>(side)];
+      const int half = side % 2 == 0 ? rows : 0;  // negative sides
+      clamped += set(packed.textures[0], x, y + half, z + side / 2 * slices,
+                     {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z), 1.0F});
     }
     return clamped;
   };
-  packed.values_clamped = for_each_slice(slices, std::int64_t{64} * columns * rows * slices, control, pack_slice);
+  packed.values_clamped =
+      for_each_place(probes.grid.counts, std::int64_t{64} * columns * rows * slices, control, pack_cube);
   return packed;
 }
 
@@ -358,16 +344,10 @@ PackedProbes pack_rtxgi(const BakedProbes& probes, const Control& control) {
   add_texture(packed, "distance", {columns * edge, rows * edge, planes}, true);
   add_texture(packed, "data", {columns, rows, planes}, true);
   const std::vector<dvec3> directions = map_directions();
-  const auto pack_plane = [&, columns = columns, rows = rows](int y) {
-    std::uint64_t clamped = 0;
-    for (int z = 0; z < rows; ++z) {
-      for (int x = 0; x < columns; ++x) {
-        clamped += pack_maps(packed.textures, probes, directions, {number_of(probes.grid, x, y, z), x, y, z});
-      }
-    }
-    return clamped;
-  };
-  packed.values_clamped = for_each_slice(planes, std::int64_t{10'000} * columns * rows * planes, control, pack_plane);
+  packed.values_clamped = for_each_place({columns, rows, planes}, std::int64_t{10'000} * columns * rows * planes,
+                                         control, [&](int x, int z, int y) {
+                                           return pack_maps(packed.textures, probes, directions, {x, y, z});
+                                         });
   return packed;
 }
 

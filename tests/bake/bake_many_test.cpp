@@ -153,14 +153,6 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
 
 namespace {
 
-BakeOptions quick_bake() {
-  BakeOptions options{.background = BackgroundOptions{.size = 16},
-                      .specular = PrefilterOptions{.size = 8, .roughness = {0.0, 0.3, 0.9}},
-                      .irradiance = IrradianceOptions{.size = 5}};
-  options.brdf.reset();
-  return options;
-}
-
 struct Block : TargetMemory {
   Block(TexelFormat format, int size, int levels)
       : TargetMemory({.format = format, .size = size, .levels = levels, .row_alignment_bytes = 64}) {}

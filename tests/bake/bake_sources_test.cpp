@@ -4,6 +4,7 @@
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/images.h"
+#include "support/small_skies.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -285,13 +286,7 @@ TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec
 namespace {
 
 SkyBakeOptions small_sky() {
-  SkyBakeOptions options;
-  options.tables.heights = 8;
-  options.tables.view_zeniths = 12;
-  options.tables.sun_zeniths = 12;
-  options.tables.sun_angles = 3;
-  options.tables.transmittance_heights = 16;
-  options.tables.transmittance_zeniths = 32;
+  SkyBakeOptions options{.tables = tiny_tables()};
   options.tables.orders = 2;
   options.curve.nodes = 12;
   options.curve.projection.zeniths = options.curve.projection.azimuths = 4;

@@ -3,8 +3,11 @@
 
 #include "support/catch.h"
 #include "support/chains.h"
+#include "support/heap.h"
 #include "support/same_bits.h"
+#include "support/trials.h"
 #include "welkin/bake.h"
+#include "welkin/core.h"
 
 namespace welkin::test {
 
@@ -51,9 +54,33 @@ inline BakeOptions small_bake(int size = 16) {
   return options;
 }
 
+/// Three cubemaps and harmonics, of different sizes.
+inline BakeOptions quick_bake(int size = 8) {
+  BakeOptions options{.background = BackgroundOptions{.size = 16},
+                      .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}},
+                      .irradiance = IrradianceOptions{.size = 5}};
+  options.brdf.reset();
+  return options;
+}
+
 /// Memory that bakes may take beyond what is predicted: tables by size that are kept between calls (weights, rules),
 /// TBB's own, and what is too small to be predicted.
 constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
+
+/// Checks that a bake takes no more memory than is predicted, and that this is at most so many times as much. (Not
+/// under sanitizers, which have a heap of their own: there the result is empty.)
+inline BakeResult check_memory(const EnvironmentView& view, const BakeOptions& options, std::uint64_t most_times) {
+  if (kSanitized) return {};
+  const std::uint64_t predicted = bake_bytes(view, options);
+  release_working_memory();  // what an earlier bake left would not be allocated
+  const HeapWatch heap;
+  BakeResult result = bake(view, options);
+  const auto peak = static_cast<std::uint64_t>(heap.peak_bytes());
+  INFO("peak " << peak << " predicted " << predicted);
+  CHECK(peak <= predicted + kBesides);
+  CHECK(predicted <= most_times * (peak + kBesides));
+  return result;
+}
 
 constexpr std::byte kUntouched{0xcd};
 

@@ -111,13 +111,6 @@ void check_skipped(const Plan& plan, const std::string& pass, const std::string&
 
 }  // namespace
 
-TEST_CASE("A plan is for the source that it was made for", "[plan]") {
-  const TestLatLong one = make_lat_long(Content::smooth, 32, 16, 3);
-  const TestLatLong other = make_lat_long(Content::smooth, 34, 16, 3);
-  const Plan planned = plan(one.view(), {});
-  CHECK(thrown_by([&] { static_cast<void>(bake(other.view(), planned)); }).says("lat-long 32 x 16"));
-}
-
 TEST_CASE("plan: rows that are brought to fewer count in the memory", "[bake][plan]") {
   const SourceShape wide{false, 8192, 4096, PixelFormat::rgb32f};
   BakeOptions options;

@@ -374,21 +374,24 @@ void check_projections(const std::function<Projection(const ProjectionOptions&)>
 
 }  // namespace
 
-TEST_CASE("C: cubemaps and their mip chains give the C++ calls' bits", "[c_interface]") {
+TEST_CASE("C: cubemaps, their mip chains and lat-longs give the C++ calls' bits", "[c_interface]") {
   const CWorker worker(2);
-  const auto large = make_cubemap_half(Content::special_values, 32, 4, 1);
-  const auto small = make_cubemap_half(Content::random, 16, 4, 2);
-  const std::vector<CubemapView> views{large.view(), small.view()};
-  const std::vector<welkin_environment> mips{c_view(views[0]), c_view(views[1])};
-  for (const std::size_t levels : {1U, 2U}) {
-    const auto count = static_cast<std::int32_t>(levels);
+  const auto check = [&](const std::vector<welkin_environment>& mips, const auto& expected) {
+    const auto count = static_cast<std::int32_t>(mips.size());
     check_projections(
-        [&](const auto& options) { return project(std::span(views).first(levels), options); },
+        expected,
         [&](const auto* options, auto* light) { return welkin_project(mips.data(), count, options, nullptr, light); },
         [&](const auto* options, auto** job) {
           return welkin_post_project(worker.get(), mips.data(), count, options, nullptr, job);
         });
-  }
+  };
+  const auto large = make_cubemap_half(Content::special_values, 32, 4, 1);
+  const auto small = make_cubemap_half(Content::random, 16, 4, 2);
+  const std::vector<CubemapView> views{large.view(), small.view()};
+  const auto wide = make_lat_long(Content::high_range, 128, 64, 3);
+  check({c_view(views[0])}, [&](const auto& options) { return project(std::span(views).first(1), options); });
+  check({c_view(views[0]), c_view(views[1])}, [&](const auto& options) { return project(views, options); });
+  check({c_view(wide.view())}, [&](const auto& options) { return project(wide.view(), options); });
 }
 
 TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
@@ -424,17 +427,6 @@ TEST_CASE("C: many probes give the C++ call's bits", "[c_interface][many]") {
   std::vector<double> found(81);
   CHECK(welkin_project_many(probes.data(), 3, nullptr, nullptr, found.data(), nullptr) == WELKIN_INVALID_ARGUMENT);
   CHECK(std::string(welkin_last_error()).starts_with("probe 1: "));
-}
-
-TEST_CASE("C: lat-longs give the C++ call's bits", "[c_interface]") {
-  const CWorker worker(2);
-  const auto image = make_lat_long(Content::high_range, 128, 64, 3);
-  const welkin_environment view = c_view(image.view());
-  check_projections([&](const auto& options) { return project(image.view(), options); },
-                    [&](const auto* options, auto* light) { return welkin_project(&view, 1, options, nullptr, light); },
-                    [&](const auto* options, auto** job) {
-                      return welkin_post_project(worker.get(), &view, 1, options, nullptr, job);
-                    });
 }
 
 TEST_CASE("C: files give the C++ call's bits", "[c_interface]") {

@@ -5,6 +5,7 @@
 #include "support/catch.h"
 #include "support/payload.h"
 #include "support/same_bits.h"
+#include "support/small_skies.h"
 #include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/thrown_error.h"
@@ -261,15 +262,7 @@ TEST_CASE("entries: whole ones of another shape than was asked for are computed 
   BakeOptions baking{.specular = PrefilterOptions{.size = 8, .mips = 2}};
   baking.irradiance->size = 4;
   baking.brdf.reset();
-  const SkyTableOptions sky{.heights = 4,
-                            .view_zeniths = 8,
-                            .sun_zeniths = 4,
-                            .sun_angles = 2,
-                            .transmittance_heights = 4,
-                            .transmittance_zeniths = 8,
-                            .irradiance_heights = 2,
-                            .irradiance_sun_zeniths = 4,
-                            .orders = 1};
+  const SkyTableOptions sky = tiny_tables();
   const auto check_all = [&] {
     ResultCache cache(options);
     const BakeResult found = cache.bake(image.view(), baking);

@@ -430,22 +430,6 @@ TEST_CASE("chains: a bake's mips are those of a prefilter, and the other way rou
   CHECK(prefiltered.statistics().memory_hits == 4);
 }
 
-TEST_CASE("chains: a bake with a mip more makes one mip, and says so") {
-  const TestCubemap cubemap = make_cubemap(Content::high_range, 24, 3, 5);
-  BakeOptions options{.specular = chain({0.0, 0.3, 0.5})};
-  options.irradiance->size = 8;
-  options.brdf.reset();
-  ResultCache cache;
-  static_cast<void>(cache.bake(cubemap.view(), options));
-  const std::uint64_t misses = cache.statistics().misses;
-  options.specular->roughness.push_back(0.9);
-  const BakeResult made = cache.bake(cubemap.view(), options);
-  CHECK(cache.statistics().misses == misses + 1);
-  CHECK(same_specular(*made.specular, *bake(cubemap.view(), options).specular));
-  CHECK(pass_named(made, "specular").action == PassAction::run);
-  CHECK(pass_named(made, "specular").reason == "3 of 4 mips found in memory, the others computed");
-}
-
 }  // namespace
 
 }  // namespace welkin::test

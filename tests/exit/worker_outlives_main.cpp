@@ -9,7 +9,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -19,14 +19,16 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <vector>
 
+#include "portability/hashing.h"
 #include "welkin/environment_file.h"
 #include "welkin/welkin.hpp"
 
 namespace {
 
-using Values = std::vector<double>;
+using welkin::portability::cubemap;
+using welkin::portability::hash_of;
+using welkin::portability::lat_long;
 
 constexpr int kThreads = 2;
 constexpr int kRounds = 4;  ///< that the witness waits for
@@ -59,45 +61,7 @@ struct Witness {
   }
 } witness;
 
-/// Pixels of some pattern, 0 to 1.
-std::vector<float> pattern(std::size_t count) {
-  std::vector<float> values(count);
-  for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<float>((i * 2654435761U) % 1009U) / 1009.0F;
-  return values;
-}
-
-welkin::LatLongImage lat_long() { return {32, 16, pattern(std::size_t{32} * 16 * 3)}; }
-welkin::Cubemap cubemap() { return {8, pattern(std::size_t{6} * 8 * 8 * 3)}; }
-
-Values values_of(const welkin::SphericalHarmonics& harmonics) {
-  Values values;
-  for (const glm::dvec3& c : harmonics.coefficients()) values.insert(values.end(), {c.x, c.y, c.z});
-  return values;
-}
-
-Values project_cubemap() { return values_of(welkin::project(cubemap().view()).radiance); }
-
-Values project_lat_long() { return values_of(welkin::project(lat_long().view()).radiance); }
-
-Values resample() {
-  const welkin::Cubemap faces = welkin::to_cubemap(lat_long().view(), 8);
-  return {faces.pixels().begin(), faces.pixels().end()};
-}
-
-Values prefilter() {
-  welkin::PrefilterOptions options{.size = 8, .method = welkin::PrefilterMethod::spectral};
-  const welkin::PrefilteredSpecular result = welkin::prefilter_specular(cubemap().view(), options);
-  Values values;
-  for (const welkin::MipRecord& mip : result.mips) values.insert(values.end(), {mip.mean.x, mip.mean.y, mip.mean.z});
-  return values;
-}
-
-Values brdf() {
-  const std::shared_ptr<const welkin::BrdfTable> table = welkin::brdf_table({16, 16});
-  return {table->values.begin(), table->values.end()};
-}
-
-Values sky() {
+std::uint64_t sky() {
   welkin::SkyTableOptions options{.heights = 4,
                                   .view_zeniths = 16,
                                   .sun_zeniths = 8,
@@ -109,49 +73,57 @@ Values sky() {
                                   .orders = 2};
   const auto tables = std::make_shared<const welkin::SkyTables>(welkin::precompute_sky(welkin::earth(), options));
   const welkin::SkyProjector projector(welkin::SkyView(tables, 0.0));
-  return values_of(projector.project(welkin::sun_direction(20.0, 30.0)));
+  return hash_of(projector.project(welkin::sun_direction(20.0, 30.0)));
 }
 
 /// Which formats there are, and what they hold.
-Values write() {
+std::uint64_t write() {
   const std::filesystem::path nowhere("a_folder_that_is_not_there");
-  Values refused;
+  welkin::portability::Hash refused;
   for (const char* name : {"a.exr", "a.hdr", "a.pfm", "a.png"}) {
     for (const auto type : {welkin::SampleType::half, welkin::SampleType::float32, welkin::SampleType::uint16}) {
       try {
         welkin::check_write_options(nowhere / name, {welkin::Layout::automatic, type}, false);
       } catch (const welkin::Error& error) {
-        refused.push_back(static_cast<double>(error.code()));
+        refused.add(static_cast<double>(error.code()));
       }
     }
   }
-  return refused;
+  return refused.value();
 }
 
 /// An OpenEXR file, written and read, that each thread has for itself.
-Values openexr() {
+std::uint64_t openexr() {
   static std::atomic<int> files{0};
   thread_local const int file = files++;
   const std::filesystem::path path = "worker_outlives_main_" + std::to_string(file) + ".exr";
-  (void)welkin::write_environment(path, lat_long().view());
-  Values values = values_of(welkin::project_file(path).radiance);
+  (void)welkin::write_environment(path, lat_long(16, 1).view());
+  const std::uint64_t hash = hash_of(welkin::project_file(path).radiance);
   std::filesystem::remove(path);
-  return values;
+  return hash;
 }
 
 struct Part {
   const char* name;
-  Values (*compute)();
+  std::uint64_t (*compute)();  ///< the hash of its results
 };
 
-constexpr std::array kParts{Part{"project_cubemap", project_cubemap},
-                            Part{"project_lat_long", project_lat_long},
-                            Part{"resample", resample},
-                            Part{"prefilter", prefilter},
-                            Part{"brdf", brdf},
-                            Part{"sky", sky},
-                            Part{"write", write},
-                            Part{"openexr", openexr}};
+constexpr std::array kParts{
+    Part{"project_cubemap", [] { return hash_of(welkin::project(cubemap(8, 1).view()).radiance); }},
+    Part{"project_lat_long", [] { return hash_of(welkin::project(lat_long(16, 1).view()).radiance); }},
+    Part{"resample", [] { return hash_of(welkin::to_cubemap(lat_long(16, 1).view(), 8)); }},
+    Part{"prefilter",
+         [] {
+           const welkin::PrefilterOptions options{.size = 8, .method = welkin::PrefilterMethod::spectral};
+           return hash_of(welkin::prefilter_specular(cubemap(8, 1).view(), options).cubemap);
+         }},
+    Part{"brdf",
+         [] {
+           return hash_of(welkin::brdf_table({16, 16})->values);
+         }},
+    Part{"sky", sky},
+    Part{"write", write},
+    Part{"openexr", openexr}};
 
 /// Ends the program if a part throws, as it must not.
 template <class Function>
@@ -163,41 +135,31 @@ void without_errors(const Function& function) {
   }
 }
 
-/// Does a part over and over.
-struct Repeat {
-  Values (*compute)();
-
-  void operator()(const welkin::Control& control) const {
+void run_part(const Part& part) {
+  const auto repeat = [compute = part.compute](const welkin::Control& control) {
     without_errors([&] {
-      const Values first = compute();
-      if (first.empty()) fail("a part has no result");
+      const std::uint64_t first = compute();
+      if (first == hash_of()) fail("a part has no result");
       ++started;
       while (!control.stop.stop_requested()) {
         if (compute() != first) fail("a result has changed while the program exits");
         ++rounds;
       }
     });
-  }
-};
-
-struct Once {
-  Values (*compute)();
-
-  void operator()(const welkin::Control&) const {
-    without_errors([&] { (void)compute(); });
-    ++rounds;
-  }
-};
-
-void run_part(const Part& part) {
-  for (int i = 0; i < kThreads; ++i) (void)worker->post(Repeat{part.compute});
+  };
+  for (int i = 0; i < kThreads; ++i) (void)worker->post(repeat);
   await(started, kThreads, "the requests have not started");
   witnessed = true;
 }
 
 void run_in_passing() {
   for (int i = 0; i < 100; ++i) {
-    for (const Part& part : kParts) (void)worker->post(Once{part.compute});
+    for (const Part& part : kParts) {
+      (void)worker->post([compute = part.compute](const welkin::Control&) {
+        without_errors([&] { (void)compute(); });
+        ++rounds;
+      });
+    }
   }
   await(rounds, 2 * static_cast<int>(kParts.size()), "the requests have not started");
 }

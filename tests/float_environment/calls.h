@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 
 #include "modes.h"
 #include "support/bit_hash.h"
+#include "support/temporary_directory.h"
 #include "welkin/bake.h"
 #include "welkin/engines.h"
 #include "welkin/image.h"
@@ -23,62 +25,33 @@
 
 namespace welkin::test {
 
-inline void add_bits(BitHash& hash, const PlannedPass& pass) {
-  add_bits(hash, pass.name);
-  add_bits(hash, pass.reason);
-  add_bits(hash, pass.bytes);
-}
+inline void add_bits(BitHash& hash, const PlannedPass& pass) { add_bits(hash, pass.name, pass.reason, pass.bytes); }
 inline void add_bits(BitHash& hash, const DensityLayer& layer) {
-  for (const double value : {layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m,
-                             layer.linear_term_per_m, layer.constant_term}) {
-    add_bits(hash, value);
-  }
+  add_bits(hash, layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m, layer.linear_term_per_m,
+           layer.constant_term);
 }
 inline void add_bits(BitHash& hash, const Constituent& constituent) {
-  add_bits(hash, constituent.density);
-  add_bits(hash, constituent.scattering_per_m);
-  add_bits(hash, constituent.absorption_per_m);
+  add_bits(hash, constituent.density, constituent.scattering_per_m, constituent.absorption_per_m);
 }
-inline void add_bits(BitHash& hash, const Atmosphere& atmosphere) {
-  for (const auto* values : {&atmosphere.wavelengths_nm, &atmosphere.aerosol_asymmetries, &atmosphere.ground_albedo,
-                             &atmosphere.solar_irradiance}) {
-    add_bits(hash, *values);
-  }
-  add_bits(hash, atmosphere.rayleigh);
-  add_bits(hash, atmosphere.aerosol);
-  add_bits(hash, atmosphere.absorbers);
-  for (const double value : {atmosphere.bottom_radius_m, atmosphere.top_radius_m, atmosphere.aerosol_asymmetry,
-                             atmosphere.sun_angular_radius_degrees, atmosphere.night_zenith_luminance}) {
-    add_bits(hash, value);
-  }
+inline void add_bits(BitHash& hash, const Atmosphere& air) {
+  add_bits(hash, air.wavelengths_nm, air.aerosol_asymmetries, air.ground_albedo, air.solar_irradiance, air.rayleigh,
+           air.aerosol, air.absorbers, air.bottom_radius_m, air.top_radius_m, air.aerosol_asymmetry,
+           air.sun_angular_radius_degrees, air.night_zenith_luminance);
 }
 inline void add_bits(BitHash& hash, const SkyBake& baked) {
-  add_bits(hash, baked.tables);
-  add_bits(hash, baked.radiance);
-  add_bits(hash, baked.sun);
-  add_bits(hash, baked.specular);
-  add_bits(hash, baked.background);
+  add_bits(hash, baked.tables, baked.radiance, baked.sun, baked.specular, baked.background);
   if (baked.curve) add_bits(hash, baked.curve->at(glm::dvec3(0.6, 0.8, 0.0)));
 }
 inline void add_bits(BitHash& hash, const BakedProbes& probes) {
-  for (const glm::dvec3& value : probes.coefficients) add_bits(hash, value);
-  for (const float value : probes.validity) add_bits(hash, value);
-  for (const std::uint8_t pass : probes.passes) add_bits(hash, int{pass});
-  for (const float value : probes.distances) add_bits(hash, value);
-  for (const double value : probes.sky) add_bits(hash, value);
-  add_bits(hash, probes.distance_limit);
+  add_bits(hash, probes.coefficients, probes.validity, probes.passes, probes.distances, probes.sky,
+           probes.distance_limit);
 }
 inline void add_bits(BitHash& hash, const PackedProbes& packed) {
-  for (const ProbeTexture& texture : packed.textures) {
-    for (const std::uint16_t half : texture.halves) add_bits(hash, int{half});
-  }
+  for (const ProbeTexture& texture : packed.textures) add_bits(hash, texture.halves);
 }
 /// Of what a call changed in place.
 inline void add_bits(BitHash& hash, const Bc6hCubemap& cubemap) {
-  for (const Bc6hLevel& level : cubemap.levels) {
-    add_bits(hash, level.estimated_error);
-    for (const std::uint8_t byte : level.blocks) add_bits(hash, int{byte});
-  }
+  for (const Bc6hLevel& level : cubemap.levels) add_bits(hash, level.estimated_error, level.blocks);
 }
 
 template <class Value>
@@ -115,6 +88,15 @@ class Calls {
     }
     lines_.push_back(line);
     return result ? std::move(*result) : throw std::runtime_error(line);
+  }
+
+  /// The same of a call that writes a file, whose bytes are the result.
+  template <class Function>
+  void write(const char* name, const std::filesystem::path& file, const Function& function) {
+    call(name, [&] {
+      function();
+      return read_bytes(file);
+    });
   }
 
   /// The same of a call that must throw: the caller's environment must be what it was then, too.

@@ -7,7 +7,6 @@
 #include "calls.h"
 #include "images.h"
 #include "support/chains.h"
-#include "support/temporary_directory.h"
 #include "welkin/bake_file.h"
 #include "welkin/environment_file.h"
 #include "welkin/result_cache.h"
@@ -22,20 +21,15 @@ void call_images_in_files(Calls& calls, const TemporaryDirectory& folder) {
   for (const char* const name : {"wide.pfm", "wide.hdr", "wide.exr", "wide.png", "dark.pfm"}) {
     const std::filesystem::path path = folder.file(name);
     const LatLongView view = name == std::string("dark.pfm") ? dark.view() : wide.view();
-    calls.call("write_environment(FileOutput const&, EnvironmentView", [&] {
-      write_environment(path, view);
-      return read_bytes(path);
-    });
+    calls.write("write_environment(FileOutput const&, EnvironmentView", path, [&] { write_environment(path, view); });
     calls.call("inspect_environment(", [&] { return inspect_environment(path).notes; });
     calls.call("read_environment(", [&] { return read_environment(path); });
     calls.call("measure_environment(", [&] { return measure_environment(path); });
     calls.call("project_file(", [&] { return project_file(path, {}, {.target_size = 4}); });
   }
   const std::filesystem::path cross = folder.file("cube.exr");
-  calls.call("write_environment(FileOutput const&, EnvironmentView", [&] {
-    write_environment(cross, cube.view(), {.layout = Layout::horizontal_cross});
-    return read_bytes(cross);
-  });
+  calls.write("write_environment(FileOutput const&, EnvironmentView", cross,
+              [&] { write_environment(cross, cube.view(), {.layout = Layout::horizontal_cross}); });
   calls.call("project_file(", [&] { return project_file(cross); });
   const std::filesystem::path hdr = folder.file("wide.hdr");
   calls.call("check_write_options(", [&] {
@@ -75,23 +69,15 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
                            File{"packed.ktx2", {.format = TexelFormat::b10g11r11}},
                            File{"shared.ktx2", {.format = TexelFormat::e5b9g9r9}}, File{"half.dds", {}}}) {
     const std::filesystem::path path = folder.file(file.name);
-    calls.call("write_texture(", [&] {
-      write_texture(path, views, file.options);
-      return read_bytes(path);
-    });
+    calls.write("write_texture(", path, [&] { write_texture(path, views, file.options); });
     calls.call("read_texture(", [&] { return read_texture(path).cubemap; });
   }
   const std::filesystem::path table = folder.file("table.ktx2");
   const std::vector<float> rgb(36, 0.1F);
   const std::filesystem::path octahedral = folder.file("octahedral.ktx2");
-  calls.call("write_octahedral(", [&] {
-    write_octahedral(octahedral, to_octahedral(chain, {.size = 8}));
-    return read_bytes(octahedral);
-  });
-  calls.call("write_texture_2d(", [&] {
-    write_texture_2d(table, 4, 3, rgb.data());
-    return read_bytes(table);
-  });
+  calls.write("write_octahedral(", octahedral,
+              [&] { write_octahedral(octahedral, to_octahedral(chain, {.size = 8})); });
+  calls.write("write_texture_2d(", table, [&] { write_texture_2d(table, 4, 3, rgb.data()); });
 
   const std::filesystem::path captured = folder.file("captured.ktx2");
   write_texture(captured, views);
@@ -101,20 +87,14 @@ void call_textures(Calls& calls, const TemporaryDirectory& folder) {
   const std::filesystem::path description = folder.file("probes.json");
   const std::filesystem::path texture = folder.file("probes_three.ktx2");
   const std::vector<ProbeLayout> layouts{ProbeLayout::three};
-  calls.call("write_probes(", [&] {
-    write_probes(description, probes, layouts);
-    return read_bytes(texture);
-  });
+  calls.write("write_probes(", texture, [&] { write_probes(description, probes, layouts); });
   calls.call("read_probes(", [&] { return read_probes(description); });
 
   const SphericalHarmonics radiance = project(chain.view(0)).radiance;
   calls.call("to_babylon(", [&] { return to_babylon(chain, radiance).polynomial; });
   const BabylonEnvironment environment = to_babylon(chain, radiance, {8, std::vector<float>(6 * 64 * 3, 0.3F)});
   const std::filesystem::path env = folder.file("light.env");
-  calls.call("write_babylon_environment(", [&] {
-    write_babylon_environment(env, environment);
-    return read_bytes(env);
-  });
+  calls.write("write_babylon_environment(", env, [&] { write_babylon_environment(env, environment); });
   calls.call("rgbd_images(", [&] { return rgbd_images(chain).png; });
   calls.call("read_babylon_environment(", [&] { return read_babylon_environment(env).specular; });
   calls.call("mirrored_x(Cubemap", [&] { return mirrored_x(chain); });

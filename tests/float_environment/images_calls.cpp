@@ -108,22 +108,19 @@ void call_probes(Calls& calls, const Cubemap& cube) {
   const ProbeOptions options{.distance_size = 3, .environment_bands = 2};
   BakedProbes probes = calls.call("bake_probes(", [&] { return bake_probes(grid, cubes, depths, options); });
   const std::vector<std::size_t> changed{2};
-  calls.call("update_probes(", [&] {
-    BakedProbes updated = probes;
-    update_probes(updated, changed, std::span(cubes).first(1), std::span(depths).first(1), options);
-    return updated;
+  const auto change = [&](const char* name, const auto& work) {
+    calls.call(name, [&] {
+      BakedProbes copy = probes;
+      work(copy);
+      return copy;
+    });
+  };
+  change("update_probes(", [&](BakedProbes& copy) {
+    update_probes(copy, changed, std::span(cubes).first(1), std::span(depths).first(1), options);
   });
-  calls.call("dilate(", [&] {
-    BakedProbes dilated = probes;
-    dilate(dilated, 2);
-    return dilated;
-  });
+  change("dilate(", [](BakedProbes& copy) { dilate(copy, 2); });
   calls.call("windowed(", [&] { return windowed(probes, Window::min_laplacian); });
-  calls.call("relight(", [&] {
-    BakedProbes relit = probes;
-    relight(relit, project(cube.view()).radiance, SphericalHarmonics(1));
-    return relit;
-  });
+  change("relight(", [&](BakedProbes& copy) { relight(copy, project(cube.view()).radiance, SphericalHarmonics(1)); });
   calls.call("probe_irradiance(", [&] { return probe_irradiance(probes, {0.3, 0.3, 0.3}, {0.0, 0.6, 0.8}); });
   calls.call("pack_probes(", [&] { return pack_probes(probes, ProbeLayout::unity_l2); });
   calls.call("pack_probes(", [&] { return pack_probes(probes, ProbeLayout::rtxgi); });

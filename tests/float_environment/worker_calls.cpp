@@ -57,10 +57,7 @@ struct Settled {
 };
 
 void add_bits(BitHash& hash, const Settled& light) {
-  test::add_bits(hash, light.radiance);
-  test::add_bits(hash, light.sun);
-  test::add_bits(hash, light.rotations);
-  test::add_bits(hash, light.weights);
+  test::add_bits(hash, light.radiance, light.sun, light.rotations, light.weights);
 }
 
 Settled settle(SkyLight& sky, Worker& worker) {
@@ -83,40 +80,25 @@ void call_sky_light(Calls& calls) {
                           .specular = {.size = 8, .roughness = {0.3, 0.9}}};
   const auto tables = std::make_shared<const SkyTables>(precompute_sky(earth(), options.tables));
   Worker worker({.threads = 1, .thread_priority = ThreadPriority::normal});
-  calls.call("SkyLight::SkyLight(Worker&, Atmosphere", [&] {
-    SkyLight sky(worker, earth(), options);
-    return settle(sky, worker);
-  });
-  calls.call("SkyLight::SkyLight(Worker&, shared_ptr", [&] {
-    SkyLight sky(worker, tables, options);
-    return settle(sky, worker);
-  });
+  const auto settled = [&](SkyLight sky) { return settle(sky, worker); };
+  calls.call("SkyLight::SkyLight(Worker&, Atmosphere", [&] { return settled(SkyLight(worker, earth(), options)); });
+  calls.call("SkyLight::SkyLight(Worker&, shared_ptr", [&] { return settled(SkyLight(worker, tables, options)); });
   SkyLight sky(worker, tables, options);
-  calls.call("SkyLight::set_sun(double", [&] {
-    sky.set_sun(12.34, 56.78);
-    return settle(sky, worker);
-  });
+  const auto change = [&](const char* name, const auto& work) {
+    calls.call(name, [&] {
+      work();
+      return settle(sky, worker);
+    });
+  };
   const glm::dvec3 direction(0.36, 0.48, -0.8);
-  calls.call("SkyLight::set_sun(dvec3", [&] {
-    sky.set_sun(direction);
-    return settle(sky, worker);
-  });
-  calls.call("SkyLight::set_intensity(", [&] {
-    sky.set_intensity(1.7);
-    return settle(sky, worker);
-  });
-  calls.call("SkyLight::set_altitude(", [&] {
-    sky.set_altitude(123.4);
-    return settle(sky, worker);
-  });
-  calls.call("SkyLight::set_atmosphere(", [&] {
-    sky.set_atmosphere(earth_hillaire());
-    return settle(sky, worker);
-  });
-  calls.call("SkyLight::update(", [&] {
+  change("SkyLight::set_sun(double", [&] { sky.set_sun(12.34, 56.78); });
+  change("SkyLight::set_sun(dvec3", [&] { sky.set_sun(direction); });
+  change("SkyLight::set_intensity(", [&] { sky.set_intensity(1.7); });
+  change("SkyLight::set_altitude(", [&] { sky.set_altitude(123.4); });
+  change("SkyLight::set_atmosphere(", [&] { sky.set_atmosphere(earth_hillaire()); });
+  change("SkyLight::update(", [&] {
     sky.set_sun(44.4, 55.5);
     sky.update(0.123);
-    return settle(sky, worker);
   });
 }
 

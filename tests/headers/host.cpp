@@ -54,23 +54,18 @@ void print(const char* what, std::span<const float> values) {
   print(what, sum);
 }
 
+/// Several of these.
+template <class... Values>
+requires(sizeof...(Values) > 1) void print(const char* what, const Values&... values) { (print(what, values), ...); }
+
 void print(const char* what, const welkin::ProjectionDiagnostics& diagnostics) {
-  print(what, static_cast<double>(diagnostics.texels));
-  print(what, diagnostics.total_radiance_before_clamp);
-  print(what, diagnostics.total_radiance);
-  print(what, diagnostics.error_estimate);
-  print(what, static_cast<double>(diagnostics.passes.size()));
+  print(what, static_cast<double>(diagnostics.texels), diagnostics.total_radiance_before_clamp,
+        diagnostics.total_radiance, diagnostics.error_estimate, static_cast<double>(diagnostics.passes.size()));
 }
 
 void print(const char* what, const welkin::Sun& sun) {
-  print(what, sun.direction);
-  print(what, sun.irradiance);
-  print(what, sun.radiance);
-  print(what, sun.solid_angle);
-  print(what, sun.angular_radius_degrees);
-  print(what, static_cast<double>(sun.texels));
-  print(what, sun.total_radiance_before);
-  print(what, sun.total_radiance_after);
+  print(what, sun.direction, sun.irradiance, sun.radiance, sun.solid_angle, sun.angular_radius_degrees,
+        static_cast<double>(sun.texels), sun.total_radiance_before, sun.total_radiance_after);
 }
 
 /// A grey panorama with a gradient and a small bright spot.
@@ -101,14 +96,10 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
   print("minimum", glm::dvec3(minimum.value));
   for (const glm::dvec3 position : minimum.direction) print("minimum at", position);
   const welkin::WindowResult windowed = welkin::apply_window(light, welkin::Window::min_laplacian);
-  print("window", windowed.radiance);
-  print("window", windowed.parameter);
-  print("window", glm::dvec3(windowed.minimum_before));
-  print("window", glm::dvec3(windowed.minimum_after));
-  print("window", static_cast<double>(windowed.factors.size()));
+  print("window", windowed.radiance, windowed.parameter, glm::dvec3(windowed.minimum_before),
+        glm::dvec3(windowed.minimum_after), static_cast<double>(windowed.factors.size()));
   if (const auto dominant = welkin::dominant_light(light)) {
-    print("dominant light", glm::dvec3(dominant->direction));
-    print("dominant light", glm::dvec3(dominant->irradiance));
+    print("dominant light", glm::dvec3(dominant->direction), glm::dvec3(dominant->irradiance));
   }
   for (const welkin::Convention& convention : welkin::conventions()) {
     print(convention.name, glm::dmat3(convention.from_welkin));
@@ -121,8 +112,7 @@ void call_harmonics(const welkin::SphericalHarmonics& light) {
     for (int i = 0; i < 4; ++i) print(vector.name.c_str(), static_cast<double>(value[i]));
   }
   const welkin::BabylonPolynomial polynomial = welkin::babylon_polynomial(light);
-  print("polynomial", glm::dvec3(polynomial.xy));
-  print("polynomial", glm::dvec3(welkin::evaluate(polynomial, direction)));
+  print("polynomial", glm::dvec3(polynomial.xy), glm::dvec3(welkin::evaluate(polynomial, direction)));
 }
 
 void call_images(const welkin::LatLongImage& image, const std::string& folder) {
@@ -134,14 +124,11 @@ void call_images(const welkin::LatLongImage& image, const std::string& folder) {
   print("direct irradiance", glm::dvec3(welkin::direct_irradiance(image.view(), glm::dvec3(0.0, 0.0, 1.0))));
   const welkin::Projection light = welkin::project(cubemap.view(), {.bands = 2});
   for (const welkin::IrradianceError& error : welkin::irradiance_errors(cubemap.view(), light.radiance, 20)) {
-    print("irradiance error", error.maximum);
-    print("irradiance error", glm::dvec3(error.worst_normal));
+    print("irradiance error", error.maximum, glm::dvec3(error.worst_normal));
   }
   const welkin::PrefilteredSpecular specular = welkin::prefilter_specular(cubemap.view(), {.size = 8});
   for (const welkin::MipRecord& mip : specular.mips) {
-    print("mip", mip.roughness);
-    print("mip", mip.error_estimate.value_or(-1.0));
-    print("mip", glm::dvec3(mip.mean));
+    print("mip", mip.roughness, mip.error_estimate.value_or(-1.0), glm::dvec3(mip.mean));
   }
   print("prefilter", specular.pixels);
   for (const glm::dvec3 value : welkin::reference_specular(image.view(), 0.5, normals)) print("specular", value);
@@ -151,18 +138,14 @@ void call_images(const welkin::LatLongImage& image, const std::string& folder) {
   options.irradiance->size = 4;
   options.background->size = 8;
   welkin::BakeResult bake = welkin::bake(cubemap.view(), options);
-  print("bake", *bake.radiance);
-  print("bake", std::span<const float>(bake.irradiance->pixels()));
+  print("bake", *bake.radiance, std::span<const float>(bake.irradiance->pixels()));
   print("bake", bake.diagnostics);
 
   const std::filesystem::path file = std::filesystem::path(folder) / "image.pfm";
   welkin::write_environment(file, image.view());
   const welkin::EnvironmentStatistics statistics = welkin::measure_environment(file);
-  print("file", glm::dvec3(statistics.minimum));
-  print("file", glm::dvec3(statistics.maximum));
-  print("file", glm::dvec3(statistics.total_radiance));
-  print("file", static_cast<double>(statistics.brightest_row));
-  print("file", glm::dvec3(statistics.brightest_direction));
+  print("file", glm::dvec3(statistics.minimum), glm::dvec3(statistics.maximum), glm::dvec3(statistics.total_radiance),
+        static_cast<double>(statistics.brightest_row), glm::dvec3(statistics.brightest_direction));
 
   welkin::ResultCache cache;
   print("cache", cache.project(cubemap.view(), {}, {.exposure = 2.0, .rotation = rotation}).radiance);
@@ -185,8 +168,7 @@ void call_sky() {
   const glm::dvec3 sun = welkin::sun_direction(20.0, 145.0);
   print("sun", sun);
   const welkin::SkyView view(tables, 100.0);
-  print("sky", glm::dvec3(view.radiance(glm::dvec3(0.0, 0.6, 0.8), sun)));
-  print("sky", glm::dvec3(view.irradiance(sun)));
+  print("sky", glm::dvec3(view.radiance(glm::dvec3(0.0, 0.6, 0.8), sun)), glm::dvec3(view.irradiance(sun)));
   print("sky's sun", view.sun_light(sun));
   const std::vector<welkin::vec3> directions{glm::vec3(0.0F, 1.0F, 0.0F), glm::vec3(0.6F, 0.8F, 0.0F)};
   std::vector<welkin::vec3> radiances(directions.size());
@@ -197,8 +179,7 @@ void call_sky() {
   projector.project(sun, coefficients);
   for (const glm::dvec3 coefficient : coefficients) print("projector", coefficient);
   const welkin::SkyCurve curve(view, {.nodes = 16});
-  print("curve", curve.at(sun));
-  print("curve", glm::dvec3(curve.sun_irradiance(sun)));
+  print("curve", curve.at(sun), glm::dvec3(curve.sun_irradiance(sun)));
   print("sun's light", welkin::sun_harmonics(view.sun_light(sun), 3));
 
   welkin::SkyLightOptions light_options;
@@ -215,11 +196,9 @@ void call_sky() {
   settled(145.0);
   settled(160.0);
   const welkin::SkyLightFrame& frame = sky.light();
-  print("frame", static_cast<double>(frame.settled));
-  print("frame", frame.radiance);
+  print("frame", static_cast<double>(frame.settled), frame.radiance, glm::dmat3(frame.reflections[0].rotation),
+        frame.reflections[0].weight);
   print("frame", frame.sun);
-  print("frame", glm::dmat3(frame.reflections[0].rotation));
-  print("frame", frame.reflections[0].weight);
 }
 
 }  // namespace

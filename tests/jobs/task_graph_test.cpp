@@ -179,16 +179,6 @@ TEST_CASE("The exception of a pass stops the others and comes out once", "[bake]
   }
 }
 
-TEST_CASE("What progress throws comes out of a graph", "[bake][jobs]") {
-  run_with_threads(2, [] {
-    std::atomic<int> done{0};
-    TaskGraph graph;
-    graph.add(1.0, tiles(100, done));
-    graph.add(1.0, tiles(100, done));
-    CHECK_THROWS_WITH(graph.run({{}, [](double) { throw std::runtime_error("of the callback"); }}), "of the callback");
-  });
-}
-
 TEST_CASE("A cancelled group of the caller's drops no pass", "[bake][jobs]") {
   run_with_threads(2, [] {
     std::atomic<int> done{0};

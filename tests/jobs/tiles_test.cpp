@@ -137,23 +137,6 @@ TEST_CASE("A cancelled group around a job does not make it skip tiles", "[jobs]"
   CHECK(tiles == 500);
 }
 
-TEST_CASE("A progress callback may use TBB", "[jobs]") {
-  run_with_threads(4, [] {
-    for (int repetition = 0; repetition < 20; ++repetition) {
-      std::atomic<int> work{0};
-      std::vector<double> seen;
-      Control control;
-      control.progress = [&](double share) {
-        seen.push_back(share);
-        tbb::parallel_for(0, 50, [&](int) { ++work; });
-      };
-      run(200, Placement::arena, control, [](std::size_t, std::size_t) {});
-      CHECK(std::is_sorted(seen.begin(), seen.end()));
-      CHECK(seen.back() == 1.0);
-    }
-  });
-}
-
 TEST_CASE("Tiles see the default floating-point environment and leave the caller's alone", "[jobs]") {
   const FloatEnvironment callers = flushing(mode_named("upward"));
   std::atomic<bool> all_default{true};
@@ -253,6 +236,11 @@ class FakeSystem {
   }
   [[nodiscard]] std::filesystem::path root() const { return folder_.file("root"); }
   [[nodiscard]] int quota() const { return detail::quota_processors(root()); }
+  /// Once there is one file more.
+  [[nodiscard]] int quota_with(const std::string& name, const std::string& text) const {
+    add(name, text);
+    return quota();
+  }
 
  private:
   TemporaryDirectory folder_;
@@ -268,16 +256,11 @@ TEST_CASE("A quota of control groups of version 2 counts, and of the groups arou
   const FakeSystem system;
   CHECK(system.quota() == 0);
   system.add("proc/self/cgroup", "0::/system/build\n");
-  system.add("proc/self/mountinfo", kVersion2);
-  CHECK(system.quota() == 0);
-  system.add("sys/fs/cgroup/system/build/cpu.max", "max 100000\n");
-  CHECK(system.quota() == 0);
-  system.add("sys/fs/cgroup/system/build/cpu.max", "450000 100000\n");
-  CHECK(system.quota() == 5);
-  system.add("sys/fs/cgroup/system/cpu.max", "200000 100000\n");
-  CHECK(system.quota() == 2);
-  system.add("sys/fs/cgroup/cpu.max", "1000 100000\n");
-  CHECK(system.quota() == 1);
+  CHECK(system.quota_with("proc/self/mountinfo", kVersion2) == 0);
+  CHECK(system.quota_with("sys/fs/cgroup/system/build/cpu.max", "max 100000\n") == 0);
+  CHECK(system.quota_with("sys/fs/cgroup/system/build/cpu.max", "450000 100000\n") == 5);
+  CHECK(system.quota_with("sys/fs/cgroup/system/cpu.max", "200000 100000\n") == 2);
+  CHECK(system.quota_with("sys/fs/cgroup/cpu.max", "1000 100000\n") == 1);
 }
 
 TEST_CASE("A quota of control groups of version 1 counts", "[jobs]") {
@@ -285,26 +268,21 @@ TEST_CASE("A quota of control groups of version 1 counts", "[jobs]") {
   system.add("proc/self/cgroup", "9:memory:/else\n4:cpu,cpuacct:/docker/1234\n0::/docker/1234\n");
   system.add("proc/self/mountinfo", kVersion1);
   system.add("sys/fs/cgroup/cpu,cpuacct/docker/1234/cpu.cfs_quota_us", "-1\n");
-  system.add("sys/fs/cgroup/cpu,cpuacct/docker/1234/cpu.cfs_period_us", "100000\n");
-  CHECK(system.quota() == 0);
+  CHECK(system.quota_with("sys/fs/cgroup/cpu,cpuacct/docker/1234/cpu.cfs_period_us", "100000\n") == 0);
   system.add("sys/fs/cgroup/cpu,cpuacct/docker/cpu.cfs_quota_us", "250000\n");
-  system.add("sys/fs/cgroup/cpu,cpuacct/docker/cpu.cfs_period_us", "100000\n");
-  CHECK(system.quota() == 3);
+  CHECK(system.quota_with("sys/fs/cgroup/cpu,cpuacct/docker/cpu.cfs_period_us", "100000\n") == 3);
 
   SECTION("of a container, which sees its own group as the topmost") {
     system.add("proc/self/mountinfo",
                "33 25 0:29 /docker/1234 /sys/fs/cgroup/cpu,cpuacct rw - cgroup cgroup rw,cpu,cpuacct\n");
     system.add("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_quota_us", "400000\n");
-    system.add("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000\n");
-    CHECK(system.quota() == 4);
+    CHECK(system.quota_with("sys/fs/cgroup/cpu,cpuacct/cpu.cfs_period_us", "100000\n") == 4);
   }
   SECTION("beside one of version 2, of which the lesser counts") {
     system.add("proc/self/mountinfo",
                std::string(kVersion1) + "35 24 0:30 / /sys/fs/cgroup/unified rw - cgroup2 cgroup2 rw\n");
-    system.add("sys/fs/cgroup/unified/docker/1234/cpu.max", "200000 100000\n");
-    CHECK(system.quota() == 2);
-    system.add("sys/fs/cgroup/unified/docker/1234/cpu.max", "900000 100000\n");
-    CHECK(system.quota() == 3);
+    CHECK(system.quota_with("sys/fs/cgroup/unified/docker/1234/cpu.max", "200000 100000\n") == 2);
+    CHECK(system.quota_with("sys/fs/cgroup/unified/docker/1234/cpu.max", "900000 100000\n") == 3);
   }
 }
 
@@ -313,10 +291,8 @@ TEST_CASE("Nothing outside the mounted control groups sets a quota", "[jobs]") {
   system.add("proc/self/cgroup", "0::/../other\n");  // as a process of another namespace sees it
   system.add("proc/self/mountinfo", kVersion2);
   system.add("sys/fs/other/cpu.max", "100000 100000\n");
-  system.add("sys/fs/cpu.max", "100000 100000\n");
-  CHECK(system.quota() == 0);
-  system.add("sys/fs/cgroup/cpu.max", "300000 100000\n");
-  CHECK(system.quota() == 3);
+  CHECK(system.quota_with("sys/fs/cpu.max", "100000 100000\n") == 0);
+  CHECK(system.quota_with("sys/fs/cgroup/cpu.max", "300000 100000\n") == 3);
 }
 
 TEST_CASE("Files of control groups that make no sense set no quota", "[jobs]") {
@@ -328,8 +304,7 @@ TEST_CASE("Files of control groups that make no sense set no quota", "[jobs]") {
     INFO(text);
     CHECK(system.quota() == 0);
   }
-  system.add("sys/fs/cgroup/a/cpu.max", "9223372036854775807 1\n");
-  CHECK(system.quota() > 1000);
+  CHECK(system.quota_with("sys/fs/cgroup/a/cpu.max", "9223372036854775807 1\n") > 1000);
 }
 
 TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {

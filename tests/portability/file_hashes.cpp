@@ -16,12 +16,6 @@ std::vector<std::byte> written(const std::string& name, const LatLongImage& imag
   return bytes;
 }
 
-void print_bytes(const std::string& name, const std::vector<std::byte>& bytes) {
-  Hash hash;
-  hash.add(bytes.data(), bytes.size());
-  std::printf("%s %016llx\n", name.c_str(), static_cast<unsigned long long>(hash.value()));
-}
-
 void images() {
   for (const int size : kSizes) {
     for (const char* extension : {".hdr", ".pfm"}) {
@@ -29,7 +23,7 @@ void images() {
       const std::vector<std::byte> file = written(name, lat_long(size, 21));
       const Environment read = read_environment({file, name}, {.layout = Layout::lat_long});
       const std::vector<float> pixels(read.pixels.get(), read.pixels.get() + 6 * size * size);
-      print_bytes(sized("files/written", size) + extension, file);
+      print(sized("files/written", size) + extension, file);
       print(sized("files/read", size) + extension, pixels);
       print(sized("files/projected", size) + extension,
             project_file({file, name}, {.layout = Layout::lat_long}).radiance);
@@ -43,7 +37,7 @@ void bakes() {
   print("files/bake", light.specular->cubemap, *light.radiance, light.irradiance->pixels());
   std::vector<std::byte> texture;
   write_texture({texture, "sky.ktx2"}, light.specular->cubemap.views(), {.format = TexelFormat::e5b9g9r9});
-  print_bytes("files/ktx2", texture);
+  print("files/ktx2", texture);
 }
 
 }  // namespace

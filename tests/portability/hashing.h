@@ -42,6 +42,7 @@ class Hash {
   void add(std::span<const float> numbers) {
     for (const float number : numbers) add(number);
   }
+  void add(const std::vector<std::byte>& file) { add(file.data(), file.size()); }
   void add(const Cubemap& chain) {
     for (int level = 0; level < chain.levels(); ++level) {
       const auto values = std::size_t{3} * static_cast<std::size_t>(chain.level_size(level) * chain.level_size(level));
@@ -57,12 +58,17 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
+template <class... Results>
+[[nodiscard]] std::uint64_t hash_of(const Results&... results) {
+  Hash hash;
+  (hash.add(results), ...);
+  return hash.value();
+}
+
 /// A line of the record: `name hash`.
 template <class... Results>
 void print(const std::string& name, const Results&... results) {
-  Hash hash;
-  (hash.add(results), ...);
-  std::printf("%s %016llx\n", name.c_str(), static_cast<unsigned long long>(hash.value()));
+  std::printf("%s %016llx\n", name.c_str(), static_cast<unsigned long long>(hash_of(results...)));
 }
 
 /// Numbers that look random and are the same everywhere.

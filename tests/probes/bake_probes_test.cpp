@@ -4,6 +4,7 @@
 
 #include "probes/probe_captures.h"
 #include "support/catch.h"
+#include "support/images.h"
 #include "support/same_bits.h"
 #include "support/thrown_error.h"
 #include "welkin/core.h"
@@ -28,11 +29,7 @@ constexpr int kDepthSize = 48;  ///< of depths whose moments are summed over all
 
 /// Mean and mean square by the definition: every texel of the depths, not blocks of them.
 glm::dvec2 moments_of(const std::vector<float>& depths, const dvec3& axis, int power, double limit) {
-  static const std::vector<dvec3> directions = [] {
-    std::vector<dvec3> all;
-    Captures::for_each_texel(kDepthSize, [&](const dvec3& direction) { all.push_back(direction); });
-    return all;
-  }();
+  static const std::vector<dvec3> directions = texel_centres(kDepthSize);
   glm::dvec2 sums(0.0);
   double whole = 0.0;
   for (std::size_t texel = 0; texel < directions.size(); ++texel) {

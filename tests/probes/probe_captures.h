@@ -1,8 +1,8 @@
 // Made-up captures of a grid of probes.
 #pragma once
 
-#include "image/geometry.h"
 #include "support/catch.h"
+#include "support/images.h"
 #include "welkin/image.h"
 #include "welkin/probes.h"
 #include "welkin/spherical_harmonics.h"
@@ -26,14 +26,10 @@ struct Captures {
 
   Captures(std::size_t count, int size, const Light& light, int depth_size = 0, const Depth& depth = {}) {
     for (std::size_t k = 0; k < count; ++k) {
-      float* to = images.emplace_back(size).face(0);
-      for_each_texel(size, [&](const dvec3& direction) {
-        const dvec3 rgb = light(k, direction);
-        for (int c = 0; c < 3; ++c) *to++ = static_cast<float>(rgb[c]);
-      });
+      images.push_back(cubemap_of(size, [&](const dvec3& direction) { return light(k, direction); }));
       if (depth_size == 0) continue;
       distances.emplace_back();
-      for_each_texel(depth_size, [&](const dvec3& direction) { distances.back().push_back(depth(k, direction)); });
+      for (const dvec3& direction : texel_centres(depth_size)) distances.back().push_back(depth(k, direction));
     }
     for (const Cubemap& image : images) cubes.push_back(image.view());
     for (const std::vector<float>& each : distances) depths.push_back(depth_view(each, depth_size));
@@ -49,17 +45,6 @@ struct Captures {
     const auto face = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     for (std::size_t f = 0; f < 6; ++f) view.faces[f] = distances.data() + f * face;
     return view;
-  }
-
-  template <class Visit>
-  static void for_each_texel(int size, const Visit& visit) {
-    for (int face = 0; face < 6; ++face) {
-      for (int row = 0; row < size; ++row) {
-        for (int column = 0; column < size; ++column) {
-          visit(image::face_direction(size, face, column + 0.5, row + 0.5));
-        }
-      }
-    }
   }
 };
 

@@ -1,14 +1,14 @@
 // Probes as textures, read back as the engines read them.
 #include <Imath/half.h>
 
+#include <glm/geometric.hpp>
+
 #include "probes/probe_captures.h"
 #include "support/catch.h"
-#include "support/random_harmonics.h"
-#include "support/same_bits.h"
 #include "support/thrown_error.h"
 #include "welkin/engines.h"
 #include "welkin/probes.h"
-#include "welkin/projection.h"
+#include "welkin/resampling.h"
 #include "welkin/spherical_harmonics.h"
 
 namespace welkin::test {
@@ -189,148 +189,196 @@ TEST_CASE("pack: what halves cannot hold is counted; black stays black", "[probe
   CHECK(thrown_by([&] { static_cast<void>(pack_probes(made_up({2, 1, 300}, 1), ProbeLayout::three)); }).says("2114"));
 }
 
-// Another environment for probes that were captured.
+// Bevy and RTXGI, by formulas written after their shaders.
 
 namespace {
 
-/// An environment of so many bands that is nowhere dark.
-SphericalHarmonics made_up(int bands, double seed) {
-  SphericalHarmonics light(bands);
-  for (std::size_t k = 0; k < light.coefficients().size(); ++k) {
-    const double number = std::sin(seed + 3.7 * static_cast<double>(k));
-    light.coefficients()[k] = dvec3(0.3 * number, 0.2 * number * number, -0.25 * number);
+/// Light of three bands that is nowhere negative, distances and offsets, all different from probe to probe.
+BakedProbes sample_grid(std::array<int, 3> counts, double directional) {
+  BakedProbes probes;
+  probes.grid = {.counts = counts, .origin = {-1.0, 2.0, 0.5}, .spacing = {0.5, 2.0, 1.0}};
+  probes.bands = 3;
+  probes.distance_size = 6;
+  probes.distance_limit = 4.0;
+  for (std::size_t k = 0; k < probes.grid.size(); ++k) {
+    const double u = static_cast<double>(k) / static_cast<double>(probes.grid.size());
+    probes.coefficients.emplace_back(3.0 + u, 4.0, 5.0 - u);
+    for (int f = 1; f < 9; ++f) {
+      probes.coefficients.emplace_back(directional * std::sin(7.0 * u + f), directional * std::cos(5.0 * u + f),
+                                       directional * std::sin(3.0 * u - f));
+    }
+    probes.validity.push_back(1.0F);
+    probes.passes.push_back(k % 5 == 3 ? 255 : k % 5 == 2 ? 1 : 0);
+    for (int texel = 0; texel < 64; ++texel) {
+      const double mean = 1.0 + u + 0.01 * texel;
+      probes.distances.push_back(static_cast<float>(mean));
+      probes.distances.push_back(static_cast<float>(mean * mean + 0.1));
+    }
+    probes.offsets.emplace_back(0.2 * u, -0.5 * u, 0.1);
   }
-  light.at(0, 0) = dvec3(8.0, 7.0, 9.0);
-  return light;
+  return probes;
 }
 
-const ProbeGrid kGrid{.counts = {3, 2, 2}, .spacing = {1, 1, 1}};
-
-/// What a probe sees through a window in front of it; walls are lit from elsewhere.
-bool sees_sky(std::size_t probe, const dvec3& d) {
-  const double rotation = 0.5 * static_cast<double>(probe);
-  return d.y > 0.1 && std::sin(rotation) * d.x + std::cos(rotation) * d.z > -0.6;
+dvec3 irradiance_at(const BakedProbes& probes, std::size_t probe, const dvec3& normal) {
+  return evaluate(irradiance_from_radiance(radiance_of(probes, probe)), normal);
 }
 
-Captures captured(const SphericalHarmonics& environment) {
-  return {kGrid.size(), 64,
-          [&](std::size_t probe, const dvec3& d) {
-            return sees_sky(probe, d) ? evaluate(environment, d) : dvec3(0.2, 0.1, 0.3);
-          },
-          64, [](std::size_t probe, const dvec3& d) { return sees_sky(probe, d) ? kNothing : 2.0F; }};
-}
-
-double difference(const BakedProbes& a, const BakedProbes& b) {
-  double square = 0.0;
-  double whole = 0.0;
-  for (std::size_t k = 0; k < a.coefficients.size(); ++k) {
-    square += glm::dot(a.coefficients[k] - b.coefficients[k], a.coefficients[k] - b.coefficients[k]);
-    whole += glm::dot(a.coefficients[k], a.coefficients[k]);
+std::vector<dvec3> normals_around(int count) {
+  std::vector<dvec3> normals;
+  for (int k = 0; k < count; ++k) {  // a spiral of even density
+    const double z = 1.0 - (2.0 * k + 1.0) / count;
+    const double angle = 2.399963229728653 * k;
+    normals.emplace_back(std::sqrt(1.0 - z * z) * std::cos(angle), std::sqrt(1.0 - z * z) * std::sin(angle), z);
   }
-  return std::sqrt(square / whole);
+  return normals;
 }
 
-const ProbeOptions kOptions{.projection = {.bands = 3}, .environment_bands = 4};
+/// A texture with the filter of GPUs: bilinear in x and y, linear in z unless it is an array; edges are clamped.
+dvec3 sampled(const ProbeTexture& texture, const dvec3& uvw, double layer = 0.0) {
+  const dvec3 size(texture.size[0], texture.size[1], texture.size[2]);
+  dvec3 point = uvw * size - 0.5;
+  if (texture.is_array) point.z = layer;
+  dvec3 sum(0.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    std::array<int, 3> at{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = std::floor(point[axis]);
+      const int step = corner >> axis & 1;
+      weight *= step == 1 ? point[axis] - low : 1.0 - (point[axis] - low);
+      const auto a = static_cast<std::size_t>(axis);
+      at[a] = std::clamp(static_cast<int>(low) + step, 0, texture.size[a] - 1);
+    }
+    for (int c = 0; c < 3; ++c) sum[c] += weight * value(texture, at[0], at[1], at[2], c);
+  }
+  return sum;
+}
+
+/// `irradiance_volume_light` of Bevy 0.17, irradiance_volume.wgsl, for the volume whose box the description states.
+dvec3 bevy_light(const ProbeTexture& texture, const ProbeGrid& grid, const dvec3& position, const dvec3& normal) {
+  const dvec3 counts(grid.counts[0], grid.counts[1], grid.counts[2]);
+  const dvec3 centre = grid.origin + 0.5 * (counts - 1.0) * grid.spacing;
+  const dvec3 atlas(texture.size[0], texture.size[1], texture.size[2]);
+  const dvec3 resolution = atlas / dvec3(1.0, 2.0, 3.0);
+  const dvec3 unit = (position - centre) / (counts * grid.spacing);
+  const dvec3 uvw = glm::clamp((unit + 0.5) * resolution, dvec3(0.5), resolution - 0.5) / atlas;
+  dvec3 sum(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const dvec3 side = uvw + dvec3(0.0, normal[axis] < 0.0 ? 0.5 : 0.0, axis / 3.0);
+    sum += sampled(texture, side) * normal[axis] * normal[axis];
+  }
+  return sum;
+}
 
 }  // namespace
 
-TEST_CASE("relight: gives what capturing again gives, of any new, turned or brighter environment", "[probes]") {
-  const SphericalHarmonics from = made_up(4, 0.3);
-  const std::vector<SphericalHarmonics> others{made_up(4, 2.1),
-                                               rotate(from, Quaternion{.w = 0.6, .x = 0.3, .y = 0.7, .z = -0.2}),
-                                               scale(from, dvec3(3, 2, 0.1))};
-  const Captures before = captured(from);
-  const BakedProbes baked = before.bake(kGrid, kOptions);
-  for (const SphericalHarmonics& to : others) {
-    const Captures after = captured(to);
-    const BakedProbes again = after.bake(kGrid, kOptions);
-    BakedProbes relit = baked;
-    relight(relit, from, to);
-    CHECK(difference(again, baked) > 0.02);
-    // Texels of 1/64 stand for their middles in what is captured.
-    CHECK(difference(again, relit) < 3e-4);
-    // And the way back.
-    relight(relit, to, from);
-    CHECK(difference(baked, relit) < 1e-14);
-  }
-}
-
-TEST_CASE("relight: is linear, and the same on any number of threads", "[probes]") {
-  const SphericalHarmonics from = made_up(4, 0.3);
-  const SphericalHarmonics to = made_up(4, 1.3);
-  const Captures captures = captured(from);
-  const BakedProbes baked = captures.bake(kGrid, kOptions);
-  BakedProbes once = baked;
-  BakedProbes twice = baked;
-  relight(once, from, to);
-  run_with_threads(3, [&] { relight(twice, from, add(to, add(to, scale(from, dvec3(-1.0))))); });
-  for (std::size_t k = 0; k < baked.coefficients.size(); ++k) {
-    const dvec3 step = once.coefficients[k] - baked.coefficients[k];
-    CHECK(glm::length(twice.coefficients[k] - baked.coefficients[k] - 2.0 * step) < 1e-12);
-  }
-  BakedProbes alone = baked;
-  run_with_threads(1, [&] { relight(alone, from, to); });
-  CHECK(same_bytes<dvec3>(once.coefficients, alone.coefficients));
-}
-
-TEST_CASE("relight: a probe that sees everything has the environment itself, one in a box nothing", "[probes]") {
-  const ProbeGrid grid{.counts = {2, 1, 1}};
-  const SphericalHarmonics from = made_up(2, 0.4);
-  const SphericalHarmonics to = made_up(5, 5.0);
-  const Captures captures(
-      2, 8, [&](std::size_t, const dvec3&) { return dvec3(1.0); }, 8,
-      [](std::size_t probe, const dvec3&) { return probe == 0 ? kNothing : 3.0F; });
-  BakedProbes probes = captures.bake(grid, {.projection = {.bands = 3}, .environment_bands = 3});
-  const BakedProbes before = probes;
-  CHECK(before.sky[0] == Approx(std::sqrt(4.0 * std::numbers::pi)));
-  relight(probes, from, to);
-  const SphericalHarmonics change = add(to, scale(from, dvec3(-1.0)));
-  for (std::size_t k = 0; k < 9; ++k) {
-    CHECK(glm::length(probes.coefficients[k] - before.coefficients[k] - change.coefficients()[k]) < 1e-5);
-    CHECK(probes.coefficients[9 + k] == before.coefficients[9 + k]);
-  }
-}
-
-TEST_CASE("relight: invalid probes get their neighbours' new light", "[probes]") {
-  const ProbeGrid grid{.counts = {2, 1, 1}};
-  const Captures captures(
-      2, 4, [&](std::size_t, const dvec3&) { return dvec3(1.0); }, 4,
-      [](std::size_t probe, const dvec3&) { return probe == 0 ? kNothing : -3.0F; });
-  BakedProbes probes = captures.bake(grid, {.environment_bands = 1});
-  CHECK(probes.invalid == 1);
-  relight(probes, constant_radiance(dvec3(1.0)), constant_radiance(dvec3(4.0)));
-  CHECK(probes.coefficients[9] == probes.coefficients[0]);
-  CHECK(probes.coefficients[9].x == Approx(4.0 * std::sqrt(4.0 * std::numbers::pi)));
-}
-
-TEST_CASE("relight: refuses coefficients that are not finite or too large, names them, and changes nothing",
-          "[probes]") {
-  const SphericalHarmonics from = made_up(4, 0.3);
-  const Captures captures = captured(from);
-  BakedProbes probes = captures.bake(kGrid, kOptions);
-  const BakedProbes before = probes;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  for (const double wrong : {nan, infinity, -infinity, 1e308, -1e101}) {
-    SphericalHarmonics light = from;
-    light.at(2, -1).y = wrong;
-    CAPTURE(wrong);
-    for (const bool is_new : {false, true}) {
-      const ThrownError error = thrown_by([&] { relight(probes, is_new ? from : light, is_new ? light : from); });
-      CHECK(error.code == ErrorCode::invalid_argument);
-      CHECK(error.says(is_new ? "coefficient (2, -1) of `to` is " : "coefficient (2, -1) of `from` is "));
-      CHECK(error.says("in green"));
-      CHECK(same_bytes<dvec3>(probes.coefficients, before.coefficients));
+TEST_CASE("pack: Bevy's shader finds the light of each probe in its ambient cubes", "[probes]") {
+  const BakedProbes probes = sample_grid({3, 2, 4}, 0.0);
+  const PackedProbes packed = pack_probes(probes, ProbeLayout::bevy);
+  REQUIRE(packed.textures.size() == 1);
+  CHECK(packed.textures[0].size == std::array{3, 4, 12});
+  CHECK(!packed.textures[0].is_array);
+  CHECK(packed.values_clamped == 0);
+  for (std::size_t k = 0; k < probes.grid.size(); ++k) {  // light that is the same from everywhere
+    for (const dvec3& normal : normals_around(20)) {
+      const dvec3 found = bevy_light(packed.textures[0], probes.grid, probes.grid.position(k), normal);
+      CHECK(glm::length(found - irradiance_at(probes, k, normal) / std::numbers::pi) < 2e-3);
     }
   }
-  relight(probes, from, scale(from, dvec3(1e38)));
-  for (const dvec3& coefficient : probes.coefficients) CHECK(std::isfinite(coefficient.x + coefficient.y));
+
+  // Light along one axis at a time shows which side is where, and the sides are those of least squares.
+  for (int axis = 0; axis < 3; ++axis) {
+    BakedProbes lit = sample_grid({2, 3, 2}, 0.0);
+    lit.coefficients[static_cast<std::size_t>(std::array{3, 1, 2}[static_cast<std::size_t>(axis)])] = dvec3(1.0);
+    const ProbeTexture texture = pack_probes(lit, ProbeLayout::bevy).textures[0];
+    double squares = 0.0;
+    double plain = 0.0;  // of sides that are the irradiance along the axes
+    for (const dvec3& normal : normals_around(2000)) {
+      const dvec3 truth = irradiance_at(lit, 0, normal) / std::numbers::pi;
+      const dvec3 found = bevy_light(texture, lit.grid, lit.grid.origin, normal);
+      CHECK((found.y - 4.0 * 0.282095) * normal[axis] >= -1e-3);  // brighter towards the light
+      squares += std::pow(found.y - truth.y, 2.0);
+      dvec3 sides(0.0);
+      for (int each = 0; each < 3; ++each) {
+        dvec3 towards(0.0);
+        towards[each] = normal[each] < 0.0 ? -1.0 : 1.0;
+        sides += irradiance_at(lit, 0, towards) / std::numbers::pi * normal[each] * normal[each];
+      }
+      plain += std::pow(sides.y - truth.y, 2.0);
+    }
+    // The mean square of s n - b sign(n) n^2 is s^2 / 48 for b = 5/4 s, and s^2 / 30 for b = s; s = 2/3 sqrt(3 / 4 pi).
+    const double slope = 2.0 / 3.0 * std::sqrt(3.0 / (4.0 * std::numbers::pi));
+    CHECK(squares / 2000.0 == Approx(slope * slope / 48.0).epsilon(0.02));
+    CHECK(plain / 2000.0 == Approx(slope * slope / 30.0).epsilon(0.02));
+  }
+  // Between probes light is mixed, and nothing of a neighbouring side bleeds in at the ends.
+  const dvec3 outside = probes.grid.origin - 5.0;
+  CHECK(glm::length(bevy_light(packed.textures[0], probes.grid, outside, {0, -1, 0}) -
+                    irradiance_at(probes, 0, {0, -1, 0}) / std::numbers::pi) < 2e-3);
 }
 
-TEST_CASE("relight: refuses probes that know nothing of the sky", "[probes]") {
-  const Captures captures(1, 4, [&](std::size_t, const dvec3&) { return dvec3(1.0); });
-  BakedProbes probes = bake_probes({}, captures.cubes);
-  CHECK(thrown_by([&] { relight(probes, SphericalHarmonics(1), SphericalHarmonics(1)); }).says("environment_bands"));
+TEST_CASE("pack: RTXGI's shaders find irradiance, distances and offsets in its arrays", "[probes]") {
+  const BakedProbes probes = sample_grid({3, 2, 4}, 0.4);
+  const PackedProbes packed = pack_probes(probes, ProbeLayout::rtxgi);
+  REQUIRE(packed.textures.size() == 3);
+  CHECK(packed.textures[0].size == std::array{24, 32, 2});
+  CHECK(packed.textures[1].size == std::array{24, 32, 2});
+  CHECK(packed.textures[2].size == std::array{3, 4, 2});
+  // DDGIGetProbeTexelCoords and DDGIGetProbeUV of ProbeIndexing.hlsl, y up; DDGIGetOctahedralCoordinates is
+  // `octahedral_encode`, from 0 to 1.
+  const auto uv_of = [&](std::size_t k, const dvec3& direction, double texels) {
+    const std::size_t x = k % 3;
+    const std::size_t z = k / 6;
+    const auto [u, v] = octahedral_encode(direction);
+    return dvec3((static_cast<double>(x) * (texels + 2.0) + 1.0 + u * texels) / (3.0 * (texels + 2.0)),
+                 (static_cast<double>(z) * (texels + 2.0) + 1.0 + v * texels) / (4.0 * (texels + 2.0)), 0.0);
+  };
+  double worst = 0.0;
+  for (std::size_t k = 0; k < probes.grid.size(); ++k) {
+    const auto layer = static_cast<double>(k / 3 % 2);
+    for (const dvec3& normal : normals_around(100)) {
+      // DDGIGetVolumeIrradiance for one probe: the power, the square, and 2 pi.
+      const dvec3 stored = sampled(packed.textures[0], uv_of(k, normal, 6.0), layer);
+      const dvec3 truth = irradiance_at(probes, k, normal);
+      for (int c = 0; c < 3; ++c) {
+        const double root = std::pow(stored[c], 5.0 * 0.5);
+        worst = std::max(worst, std::abs(root * root * 2.0 * std::numbers::pi / truth[c] - 1.0));
+      }
+      const dvec3 moments = 2.0 * sampled(packed.textures[1], uv_of(k, normal, 6.0), layer);
+      CHECK(moments.x >= 1.0);
+      CHECK(moments.y - moments.x * moments.x == Approx(0.1).margin(0.06));
+    }
+    const int place = static_cast<int>(k);
+    const auto number = [&](int c) { return value(packed.textures[2], place % 3, place / 6, place / 3 % 2, c); };
+    CHECK(glm::length(dvec3(number(0), number(1), number(2)) * probes.grid.spacing - probes.offsets[k]) < 1e-3);
+    CHECK(number(3) == (probes.passes[k] == 255 ? 1.0 : 0.0));
+  }
+  CHECK(worst < 0.07);       // 0.059: maps of 6 x 6 texels, between which the fifth root is interpolated
+  double worst_texel = 0.0;  // halves to the fifth power
+  for (int texel = 0; texel < 36; ++texel) {
+    const dvec3 towards = octahedral_decode((texel % 6 + 0.5) / 6.0, (texel / 6 + 0.5) / 6.0);
+    const double stored = sampled(packed.textures[0], uv_of(13, towards, 6.0), 0.0).x;
+    worst_texel =
+        std::max(worst_texel,
+                 std::abs(std::pow(stored, 5.0) * 2.0 * std::numbers::pi / irradiance_at(probes, 13, towards).x - 1.0));
+  }
+  CHECK(worst_texel < 0.003);
+  // The border has the values from across the edge, as bilinear filters need them.
+  const auto texel_at = [&](int x, int y) { return value(packed.textures[0], x, y, 0, 0); };
+  CHECK(texel_at(0, 0) == texel_at(6, 6));
+  CHECK(texel_at(7, 0) == texel_at(1, 6));
+  for (int i = 1; i < 7; ++i) {
+    CHECK(texel_at(i, 0) == texel_at(7 - i, 1));
+    CHECK(texel_at(0, i) == texel_at(1, 7 - i));
+    CHECK(texel_at(7, i) == texel_at(6, 7 - i));
+  }
+
+  BakedProbes flat = probes;
+  flat.distance_size = 0;
+  flat.distances.clear();
+  CHECK(thrown_by([&] { static_cast<void>(pack_probes(flat, ProbeLayout::rtxgi)); }).says("needs distances"));
+  flat.offsets.resize(3);
+  CHECK(thrown_by([&] { static_cast<void>(pack_probes(flat, ProbeLayout::bevy)); }).says("offsets has 3"));
 }
 
 }  // namespace welkin::test

@@ -179,22 +179,6 @@ TEST_CASE("probe_irradiance: light beyond what floats sum is right, and coeffici
   CHECK(error.says("coefficient 2 of probe 1 is not finite"));
 }
 
-TEST_CASE("probe_irradiance: a wall between two probes keeps the light of the other side out", "[probes]") {
-  // Probes at x = 0 and 1, a wall at 0.5 that both look at; left is dark.
-  const ProbeGrid grid{.counts = {2, 1, 1}};
-  const Captures captures(
-      2, 4, [](std::size_t probe, const dvec3&) { return dvec3(probe == 0 ? 0.0 : 1.0); }, 32,
-      [](std::size_t probe, const dvec3& d) {
-        const bool towards_wall = probe == 0 ? d.x > 0.1 : d.x < -0.1;
-        return towards_wall ? static_cast<float>(0.5 / std::abs(d.x)) : 4.0F;
-      });
-  const BakedProbes probes = captures.bake(grid);
-  const dvec3 place{0.45, 0, 0};
-  const dvec3 normal{-1, 0, 0};
-  CHECK(probe_irradiance(probes, place, normal, {.visibility = false, .facing = false}).x > 0.7);
-  CHECK(probe_irradiance(probes, place, normal, {.visibility = true, .normal_bias = 0.1}).x < 0.1);
-}
-
 TEST_CASE("probe_sampling_code: one source in four languages", "[probes]") {
   const std::string glsl = probe_sampling_code(ShaderLanguage::glsl);
   CHECK(glsl == probe_sampling_code(ShaderLanguage::cpp));

@@ -1,6 +1,7 @@
 #include "probes/room.h"
 
 #include "support/catch.h"
+#include "support/images.h"
 
 namespace welkin::test {
 namespace {
@@ -137,11 +138,11 @@ Captures Room::capture(const ProbeGrid& grid, int size, int paths) const {
   const auto work = [&] {
     for (std::size_t k = next++; k < grid.size(); k = next++) {
       std::uint32_t seed = mixed(static_cast<std::uint32_t>(k) + 77U);
-      Captures::for_each_texel(size, [&](const dvec3& direction) {
+      for (const dvec3& direction : texel_centres(size)) {
         dvec3 sum(0.0);
         for (int path = 0; path < paths; ++path) sum += radiance(grid.position(k), direction, seed++);
         colours[k].push_back(sum / static_cast<double>(std::max(1, paths)));
-      });
+      }
     }
   };
   std::vector<std::thread> threads;

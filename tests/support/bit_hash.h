@@ -45,6 +45,10 @@ class BitHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
+/// Several values in their order.
+template <class... Values>
+requires(sizeof...(Values) > 1) void add_bits(BitHash& hash, const Values&... values) { (add_bits(hash, values), ...); }
+
 template <std::integral Number>
 void add_bits(BitHash& hash, Number number) {
   hash.add_word(static_cast<std::uint64_t>(number));
@@ -89,14 +93,10 @@ inline void add_bits(BitHash& hash, const SphericalHarmonics& harmonics) {
 inline void add_bits(BitHash& hash, const BabylonPolynomial& p) {
   for (const glm::dvec3& term : {p.x, p.y, p.z, p.xx, p.yy, p.zz, p.yz, p.zx, p.xy}) add_bits(hash, term);
 }
-inline void add_bits(BitHash& hash, const ContentHash& content) {
-  hash.add_word(content.high);
-  hash.add_word(content.low);
-}
+inline void add_bits(BitHash& hash, const ContentHash& content) { add_bits(hash, content.high, content.low); }
 
 inline void add_bits(BitHash& hash, const LatLongImage& image) {
-  hash.add_word(static_cast<std::uint64_t>(image.width));
-  hash.add_word(static_cast<std::uint64_t>(image.height));
+  add_bits(hash, image.width, image.height);
   for (const float value : image.pixels) add_bits(hash, value);
 }
 inline void add_bits(BitHash& hash, const Cubemap& cubemap) {
@@ -110,8 +110,7 @@ inline void add_bits(BitHash& hash, const Cubemap& cubemap) {
 /// Pixels, size and layout; the words about the file are left out.
 inline void add_bits(BitHash& hash, const Environment& environment) {
   hash.add_word(static_cast<std::uint64_t>(environment.info.layout));
-  hash.add_word(static_cast<std::uint64_t>(environment.info.width));
-  hash.add_word(static_cast<std::uint64_t>(environment.info.height));
+  add_bits(hash, environment.info.width, environment.info.height);
   // A cross has the width and height of its image, but holds no more than its faces.
   const auto size = static_cast<std::size_t>(environment.face_size());
   const std::size_t texels =
@@ -120,64 +119,44 @@ inline void add_bits(BitHash& hash, const Environment& environment) {
   for (const float value : std::span(environment.pixels.get(), 3 * texels)) add_bits(hash, value);
 }
 inline void add_bits(BitHash& hash, const EnvironmentStatistics& s) {
-  for (const std::uint64_t count : {s.texels, s.nans, s.infinities, s.negatives}) hash.add_word(count);
-  for (const glm::dvec3& v : {s.minimum, s.maximum, s.mean, s.total_radiance, s.brightest, s.brightest_direction}) {
-    add_bits(hash, v);
-  }
-  add_bits(hash, s.brightest_column);
-  add_bits(hash, s.brightest_row);
+  add_bits(hash, s.texels, s.nans, s.infinities, s.negatives, s.minimum, s.maximum, s.mean, s.total_radiance,
+           s.brightest, s.brightest_direction, s.brightest_column, s.brightest_row);
 }
 
+inline void add_counts(BitHash& hash, const ProjectionDiagnostics& d) {
+  add_bits(hash, d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped);
+}
 /// Numbers about the pixels; passes, their words and their times are left out.
 inline void add_bits(BitHash& hash, const ProjectionDiagnostics& d) {
-  for (const std::uint64_t count :
-       {d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped}) {
-    hash.add_word(count);
-  }
-  add_bits(hash, d.total_radiance_before_clamp);
-  add_bits(hash, d.total_radiance);
-  add_bits(hash, d.error_estimate);
+  add_counts(hash, d);
+  add_bits(hash, d.total_radiance_before_clamp, d.total_radiance, d.error_estimate);
 }
 inline void add_bits(BitHash& hash, const Projection& projection) {
-  add_bits(hash, projection.radiance);
-  add_bits(hash, projection.diagnostics);
+  add_bits(hash, projection.radiance, projection.diagnostics);
 }
 /// The method and times are left out. The 0 stands where a number stood once, so that recorded hashes stay the same.
 inline void add_bits(BitHash& hash, const MipRecord& mip) {
-  for (const int number : {mip.size, mip.bands, mip.bright_texels, 0}) add_bits(hash, number);
-  add_bits(hash, mip.roughness);
-  add_bits(hash, mip.error_estimate.value_or(0.0));
-  add_bits(hash, mip.mean);
+  add_bits(hash, mip.size, mip.bands, mip.bright_texels, 0, mip.roughness, mip.error_estimate.value_or(0.0), mip.mean);
 }
 inline void add_bits(BitHash& hash, const PrefilteredSpecular& specular) {
   add_bits(hash, specular.cubemap);
   for (const MipRecord& mip : specular.mips) add_bits(hash, mip);
-  const ProjectionDiagnostics& d = specular.pixels;
-  for (const std::uint64_t count :
-       {d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped}) {
-    hash.add_word(count);
-  }
+  add_counts(hash, specular.pixels);
 }
 inline void add_bits(BitHash& hash, const BrdfTable& table) {
   add_bits(hash, table.channels);
   for (const float value : table.values) add_bits(hash, value);
 }
 inline void add_bits(BitHash& hash, const Sun& sun) {
-  for (const glm::dvec3& v :
-       {sun.direction, sun.irradiance, sun.radiance, sun.total_radiance_before, sun.total_radiance_after}) {
-    add_bits(hash, v);
-  }
-  add_bits(hash, sun.solid_angle);
-  add_bits(hash, sun.angular_radius_degrees);
-  add_bits(hash, sun.texels);
+  add_bits(hash, sun.direction, sun.irradiance, sun.radiance, sun.total_radiance_before, sun.total_radiance_after,
+           sun.solid_angle, sun.angular_radius_degrees, sun.texels);
 }
 inline void add_bits(BitHash& hash, const SkyTables& tables) {
   for (const auto* table : {&tables.transmittance, &tables.scattering, &tables.single_mie, &tables.irradiance}) {
     hash.add_word(table->size());
     for (const float value : *table) add_bits(hash, value);
   }
-  add_bits(hash, tables.orders);
-  add_bits(hash, tables.last_change);
+  add_bits(hash, tables.orders, tables.last_change);
 }
 
 template <class Value>
@@ -215,10 +194,7 @@ inline void add_bits(BitHash& hash, const BakeResult& result) {
   add_bits_or_empty(hash, result.background);
   add_bits(hash, result.specular);
   add_bits_or_empty(hash, result.irradiance);
-  add_bits(hash, result.radiance);
-  add_bits(hash, result.brdf);
-  add_bits(hash, result.stored_polynomial);
-  add_bits(hash, result.diagnostics);
+  add_bits(hash, result.radiance, result.brdf, result.stored_polynomial, result.diagnostics);
 }
 
 inline void add_bits(BitHash& hash, const EngineLight& light) {

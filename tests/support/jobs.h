@@ -129,8 +129,10 @@ inline Job<int> post_value(Worker& worker, int value, const PostOptions& options
 }
 
 /// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
-inline WorkerOptions options_with(int threads) {
-  return {.threads = threads, .thread_priority = ThreadPriority::normal};
+inline WorkerOptions options_with(int threads, WorkerOptions others = {}) {
+  others.threads = threads;
+  others.thread_priority = ThreadPriority::normal;
+  return others;
 }
 
 /// Keeps all threads of a worker busy until it is let go.

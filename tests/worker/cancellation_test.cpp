@@ -5,7 +5,6 @@
 #include "support/catch.h"
 #include "support/jobs.h"
 #include "support/process_threads.h"
-#include "support/trials.h"
 #include "welkin/worker.h"
 
 namespace welkin::test {
@@ -313,22 +312,6 @@ TEST_CASE("the destructor gives up all jobs and ends all threads", "[worker]") {
   }
 }
 
-TEST_CASE("terminate waits for what runs", "[worker]") {
-  Worker worker(options_with(1));
-  std::atomic<bool> running{false};
-  auto job = worker.post([&](const Control& control) {
-    running = true;
-    run_until_stopped(control);
-    for (int k = 0; k < 1000; ++k) std::this_thread::yield();
-    running = false;
-  });
-  CHECK(eventually([&] { return running.load(); }));
-  worker.terminate();
-  CHECK_FALSE(running);
-  CHECK(job.ready());
-  CHECK(outcome(job) == "stopped");
-}
-
 TEST_CASE("terminate from several threads at once", "[worker]") {
   for (int repetition = 0; repetition < 20; ++repetition) {
     Worker worker(options_with(2));
@@ -403,40 +386,6 @@ TEST_CASE("a worker can be ended from a request", "[worker]") {
       CHECK(threads.comes_back());
     }
   }
-}
-
-TEST_CASE("posts that race the end get a result or are stopped", "[worker]") {
-  const ThreadCount threads;
-  const int repetitions = kSanitized ? 10 : 50;
-  for (int repetition = 0; repetition < repetitions; ++repetition) {
-    Worker worker(options_with(1 + repetition % 3));
-    constexpr int kPosters = 3;
-    std::vector<std::vector<Job<int>>> jobs(kPosters);
-    std::atomic<int> posting{0};
-    std::vector<std::thread> posters;
-    for (auto& own : jobs) {
-      posters.emplace_back([&] {
-        ++posting;
-        for (int k = 0; k < 200; ++k) {
-          auto job = worker.post([k](const Control&) { return k; });
-          own.push_back(k % 2 == 0 ? std::move(job) : std::move(job).then([](int value) { return value; }));
-        }
-      });
-    }
-    while (posting < kPosters) std::this_thread::yield();
-    worker.terminate();
-    for (std::thread& poster : posters) poster.join();
-    for (auto& own : jobs) {
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        CHECK(own[k].ready());
-        auto value = static_cast<int>(k);
-        const std::string end = outcome_of([&] { value = take(own[k]); });
-        CHECK(value == static_cast<int>(k));
-        CHECK((end == "result" || end == "stopped"));
-      }
-    }
-  }
-  CHECK(threads.comes_back());
 }
 
 TEST_CASE("requests that go on posting end with their worker", "[worker]") {

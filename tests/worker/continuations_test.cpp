@@ -199,28 +199,10 @@ TEST_CASE("callbacks can be drained after terminate", "[worker]") {
   CHECK(worker.load().jobs == 0);
 }
 
-TEST_CASE("callbacks that were not drained are dropped with their worker", "[worker]") {
-  const auto token = std::make_shared<int>(0);
-  bool called = false;
-  {
-    Worker worker(options_with(1));
-    for (int k = 0; k < 3; ++k) {
-      worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
-    }
-    worker.wait_until_idle();
-    Hold hold(worker);
-    worker.post([](const Control&) {}).on_drain([&called, token](Job<void>) { called = true; });
-  }
-  CHECK_FALSE(called);
-  CHECK(eventually([&] { return token.use_count() == 1; }));
-}
-
 // Promise: what follows a job runs in the worker once its result is there; an error skips it and goes on.
 
 TEST_CASE("continuations are chained, and run on the worker's threads", "[worker]") {
-  WorkerOptions options = options_with(2);
-  options.name = "chain";
-  Worker worker(options);
+  Worker worker(options_with(2, {.name = "chain"}));
   auto job = post_value(worker, 2).then([](int value) { return value + 0.5; }).then([](double value) {
     return std::to_string(value) + " on " + this_threads_name();
   });
@@ -263,19 +245,6 @@ TEST_CASE("a job that is ready can be followed", "[worker]") {
   auto failed = worker.post([](const Control&) { throw std::runtime_error("enough"); });
   CHECK(eventually([&] { return failed.ready(); }));
   CHECK(outcome(std::move(failed).then([] { return 1; })) == "enough");
-}
-
-TEST_CASE("after terminate what follows is stopped", "[worker]") {
-  Worker worker(options_with(1));
-  auto ready = post_value(worker, 2);
-  CHECK(eventually([&] { return ready.ready(); }));
-  worker.terminate();
-  bool called = false;
-  auto follower = std::move(ready).then([&](int) { called = true; });
-  CHECK(follower.ready());
-  CHECK(outcome(follower) == "stopped");
-  CHECK(outcome(post_value(worker, 2).then([&](int) { called = true; })) == "stopped");
-  CHECK_FALSE(called);
 }
 
 TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
@@ -351,12 +320,6 @@ struct Ended {
   End get() { return take(std::move(future)); }
 };
 
-WorkerOptions named(const std::string& name, int threads = 1) {
-  WorkerOptions options = options_with(threads);
-  options.name = name;
-  return options;
-}
-
 void no_coroutine_is_left() {
   CHECK(eventually([] { return Detached::alive == 0; }));
 }
@@ -364,7 +327,7 @@ void no_coroutine_is_left() {
 }  // namespace
 
 TEST_CASE("a coroutine goes on in the worker with the result", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   Hold hold(worker);
   Ended ended;
   await_job(worker.post([](const Control&) { return 1; }), ended.promise);
@@ -383,7 +346,7 @@ TEST_CASE("a coroutine goes on in the worker with the result", "[worker]") {
 }
 
 TEST_CASE("a coroutine that awaits a ready job stays where it is", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   auto job = worker.post([](const Control&) { return 1; });
   CHECK(eventually([&] { return job.ready(); }));
   Ended ended;
@@ -394,7 +357,7 @@ TEST_CASE("a coroutine that awaits a ready job stays where it is", "[worker]") {
 }
 
 TEST_CASE("a coroutine can ask to go on in drain", "[worker]") {
-  Worker worker(named("await"));
+  Worker worker(options_with(1, {.name = "await"}));
   auto ready = worker.post([](const Control&) { return 1; });
   CHECK(eventually([&] { return ready.ready(); }));
   Ended first;
@@ -476,9 +439,7 @@ TEST_CASE("a coroutine may await many jobs of a worker that is gone", "[worker]"
   constexpr int kJobs = 100'000;
   std::vector<Job<int>> jobs;
   {
-    WorkerOptions options = options_with(1);
-    options.max_jobs = 2 * kJobs;
-    Worker worker(options);
+    Worker worker(options_with(1, {.max_jobs = 2 * kJobs}));
     Hold hold(worker);  // its thread does not contend for the queue with each post
     for (int k = 0; k < kJobs; ++k) jobs.push_back(worker.post([k](const Control&) { return k >= 0 ? 1 : 0; }));
     hold.let_go();

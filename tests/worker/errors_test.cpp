@@ -32,6 +32,7 @@ TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   CHECK(outcome(worker.post(ProjectFile{"no-such-file.exr"})) == "file_access");
   CHECK(outcome(worker.post(ReadFile{"no-such-file.exr"})) == "file_access");
   CHECK(outcome(worker.post(MeasureFile{"no-such-file.exr"})) == "file_access");
+  CHECK(outcome(worker.post(BakeFile{"no-such-file.exr"})) == "file_access");
   const TemporaryDirectory directory;
   write_bytes(directory.file("empty.exr"), {'a', 'b', 'c', 'd', 'e'});
   CHECK(outcome(worker.post(ProjectFile{directory.file("empty.exr")})) == "unsupported_file");
@@ -163,9 +164,7 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   const std::string key = "a key that is too long to be kept inside a string";
   for (const std::size_t max_jobs : {std::size_t{2}, std::size_t{3}}) {  // at the limit, and below it
-    WorkerOptions worker_options = options_with(1);
-    worker_options.max_jobs = max_jobs;
-    Worker worker(worker_options);
+    Worker worker(options_with(1, {.max_jobs = max_jobs}));
     Hold hold(worker);
     const PostOptions options{.key = key};
     auto old = worker.post([key](const Control&) { return key.size(); }, options);

@@ -80,19 +80,6 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   CHECK(newer_probe.get() == 4);
 }
 
-TEST_CASE("a replaced job makes room for the newer one", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_jobs = 2;
-  Worker worker(options);
-  Hold hold(worker);
-  auto old = post_value(worker, 1, {.key = "sky"});
-  CHECK(outcome(post_value(worker, 2)) == "queue_full");
-  auto newer = post_value(worker, 3, {.key = "sky"});
-  CHECK(outcome(old) == "replaced");
-  hold.let_go();
-  CHECK(outcome(newer) == "result");
-}
-
 // Which job starts next, and how many a worker holds.
 
 // Promise: the waiting job of the highest priority starts next, and of equals the oldest.
@@ -197,13 +184,6 @@ TEST_CASE("continuations keep the priority of the job that they follow, and come
 
 namespace {
 
-/// Beside the job that holds the thread.
-WorkerOptions options_for(std::size_t waiting_jobs) {
-  WorkerOptions options = options_with(1);
-  options.max_jobs = waiting_jobs + 1;
-  return options;
-}
-
 Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std::uint64_t bytes = 0) {
   return worker.post([held = 1](const Control&) { return held; }, {.priority = priority, .bytes = bytes});
 }
@@ -211,7 +191,7 @@ Job<int> post(Worker& worker, TaskPriority priority = TaskPriority::normal, std:
 }  // namespace
 
 TEST_CASE("a full worker refuses requests, which never run and never wait to be moved", "[worker]") {
-  Worker worker(options_for(2));
+  Worker worker(options_with(1, {.max_jobs = 3}));  // one of them holds the thread
   Hold hold(worker);
   auto first = post(worker);
   auto second = post(worker);
@@ -235,9 +215,8 @@ TEST_CASE("a full worker refuses requests, which never run and never wait to be 
 }
 
 TEST_CASE("bytes are counted: those of the request, or those that are named", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_bytes = 6 * 8 * 8 * 12 + 100;
-  Worker worker(options);
+  constexpr std::uint64_t kMost = 6 * 8 * 8 * 12 + 100;
+  Worker worker(options_with(1, {.max_bytes = kMost}));
   const TestCubemap cubemap = make_cubemap(Content::random, 8, 3, 1);
   const auto request = [&] { return Project{Cubemap{8, cubemap.pixels}}; };
   Hold hold(worker);
@@ -248,7 +227,7 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
   auto named = post(worker, TaskPriority::normal, 100);
   auto nothing = post(worker);
   auto underrated = worker.post(request(), {.bytes = 0});
-  CHECK(worker.load().bytes == options.max_bytes);
+  CHECK(worker.load().bytes == kMost);
   hold.let_go();
   CHECK(outcome(first) == "result");
   CHECK(outcome(named) == "result");
@@ -259,9 +238,7 @@ TEST_CASE("bytes are counted: those of the request, or those that are named", "[
 }
 
 TEST_CASE("a request larger than the limit can never be let in, and replaces nothing", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_bytes = 100;
-  Worker worker(options);
+  Worker worker(options_with(1, {.max_bytes = 100}));
   Hold hold(worker);
   auto bystander = post_value(worker, 1, {.priority = TaskPriority::low, .key = "sky", .bytes = 100});
   auto large = post_value(worker, 2, {.priority = TaskPriority::high, .key = "sky", .bytes = 101});
@@ -273,10 +250,7 @@ TEST_CASE("a request larger than the limit can never be let in, and replaces not
 }
 
 TEST_CASE("what the worker's own threads post is refused at the limits too", "[worker]") {
-  WorkerOptions options = options_with(1);
-  options.max_jobs = 1;
-  options.max_bytes = 100;
-  Worker worker(options);
+  Worker worker(options_with(1, {.max_jobs = 1, .max_bytes = 100}));
   auto job = worker.post(
       [&](const Control&) {
         std::vector<std::string> ends;
@@ -290,7 +264,7 @@ TEST_CASE("what the worker's own threads post is refused at the limits too", "[w
 }
 
 TEST_CASE("continuations are never refused", "[worker]") {
-  Worker worker(options_for(1));
+  Worker worker(options_with(1, {.max_jobs = 2}));
   Hold hold(worker);
   auto last = post(worker);
   for (int k = 0; k < 10; ++k) {

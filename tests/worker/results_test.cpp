@@ -1,17 +1,12 @@
-// Results of a worker: the direct call's bits, moved and not copied or written to the caller's memory, hot loops
-// without allocations.
+// Results of a worker: the direct call's bits, moved and not copied or written to the caller's memory.
 #include <tbb/task_arena.h>
 
 #include "bake/baked.h"
 #include "support/catch.h"
-#include "support/heap.h"
 #include "support/jobs.h"
 #include "support/same_bits.h"
-#include "support/temporary_directory.h"
 #include "support/test_environments.h"
 #include "support/trials.h"
-#include "welkin/bake_file.h"
-#include "welkin/environment_file.h"
 #include "welkin/resampling.h"
 #include "welkin/worker.h"
 
@@ -53,16 +48,6 @@ TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena",
     for (auto& job : cubemaps) CHECK(same_bits(take(job), rotated));
     for (auto& job : bakes) CHECK(same_bits(*take(job), baked));
   }
-}
-
-TEST_CASE("files are baked in a worker", "[worker][bake]") {
-  const TemporaryDirectory directory;
-  write_environment(directory.file("sky.pfm"), make_lat_long(Content::high_range, 64, 32, 3).view());
-  Worker worker(options_with(2));
-  const auto found = take(worker.post(BakeFile{directory.file("sky.pfm"), {}, small_bake()}));
-  REQUIRE(found);
-  CHECK(same_bits(*found, bake_file(directory.file("sky.pfm"), {}, small_bake())));
-  CHECK(outcome(worker.post(BakeFile{directory.file("none.pfm")})) == "file_access");
 }
 
 // Promise: results go from the request to whoever takes them without a copy, on every way there is.
@@ -148,38 +133,9 @@ TEST_CASE("a request may be a member of what it is posted with, or a function", 
   CHECK(worker.post(function).get() == 9);
 }
 
-// Promise: the hot loops allocate nothing when a worker runs them either.
-
-TEST_CASE("projections allocate nothing in a worker's tiles", "[worker][allocation][slow]") {
-  if (kSanitized) return;  // sanitizers bring a heap of their own
-  // The larger one is read in strips.
-  const std::array cubemaps{make_cubemap(Content::random, 64, 3, 1), make_cubemap(Content::random, 640, 3, 1)};
-  const TestLatLong lat_long = make_lat_long(Content::special_values, 512, 256, 1);
-  for (const int threads : {1, 2, 4}) {
-    Worker worker(options_with(threads));
-    std::vector<Job<Projection>> jobs;
-    forget_allocations_in_tiles();
-    for (const TestCubemap& cubemap : cubemaps) {
-      for (int k = 0; k < 2; ++k) jobs.push_back(worker.post(Project{EnvironmentSource(cubemap.view(), nullptr)}));
-    }
-    jobs.push_back(worker.post(Project{EnvironmentSource(lat_long.view(), nullptr)}));
-    worker.wait_until_idle();
-    CHECK(allocations_in_tiles() == 0);
-    for (auto& job : jobs) CHECK(outcome(job) == "result");
-  }
-}
-
 // Promise: bakes into the caller's memory write the bits of `bake_to`, and nothing if there is no result.
 
 namespace {
-
-BakeOptions bake_of(int size = 8) {
-  BakeOptions options{.background = BackgroundOptions{.size = 16},
-                      .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.3, 0.9}},
-                      .irradiance = IrradianceOptions{.size = 5}};
-  options.brdf.reset();
-  return options;
-}
 
 /// One chain in memory, with bytes between its rows that nobody may write to.
 struct Block : TargetMemory {
@@ -226,43 +182,16 @@ EnvironmentSource source_of(const TestCubemapHalf& cube) { return {cube.view(), 
 
 }  // namespace
 
-TEST_CASE("BakeTo: halves in and out, with the bits that bake_to writes", "[worker][bake]") {
-  const TestCubemapHalf cube = halves(24);
-  const TestLatLong wide = make_lat_long(Content::high_range, 32, 16, 5);
-  const Room of_cube;
-  const Room of_lat_long;
-  const BakeResult expected_cube = bake_to(of_cube.targets(), cube.view(), bake_of());
-  const BakeResult expected_lat_long = bake_to(of_lat_long.targets(), wide.view(), bake_of());
-  REQUIRE_FALSE(of_cube.untouched());
-  for (const int threads : {1, 2, 4}) {
-    Worker worker(options_with(threads));
-    const std::array<Room, 4> rooms;
-    std::vector<JobOf<BakeTo>> jobs;
-    for (std::size_t k = 0; k < rooms.size(); ++k) {
-      jobs.push_back(
-          worker.post(k % 2 == 0 ? BakeTo{source_of(cube), rooms.at(k).targets(), bake_of()}
-                                 : BakeTo{EnvironmentSource(wide.view(), nullptr), rooms.at(k).targets(), bake_of()}));
-    }
-    for (std::size_t k = 0; k < rooms.size(); ++k) {
-      const auto found = take(jobs[k]);
-      REQUIRE(found);
-      CHECK(same_bits(*found, k % 2 == 0 ? expected_cube : expected_lat_long));
-      CHECK(rooms.at(k) == (k % 2 == 0 ? of_cube : of_lat_long));
-      CHECK(jobs[k].progress() == 1.0);
-    }
-  }
-}
-
 TEST_CASE("BakeTo: a job that never starts or is refused writes nothing", "[worker][bake]") {
   const TestCubemapHalf cube = halves(24);
   const Room room;
   Worker worker(options_with(1));
   Hold hold(worker);
-  auto job = worker.post(BakeTo{source_of(cube), room.targets(), bake_of()});
+  auto job = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
   CHECK(job.cancel());
   CHECK(job.ready());
   hold.let_go();
-  CHECK(outcome(worker.post(BakeTo{source_of(cube), room.targets(), bake_of(9)})) == "invalid_argument");
+  CHECK(outcome(worker.post(BakeTo{source_of(cube), room.targets(), quick_bake(9)})) == "invalid_argument");
   worker.wait_until_idle();
   CHECK(room.untouched());
 }
@@ -271,11 +200,11 @@ TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, an
           "[worker][bake]") {
   const TestCubemapHalf cube = halves(48);
   const Room expected;
-  static_cast<void>(bake_to(expected.targets(), cube.view(), bake_of()));
+  const BakeResult baked = bake_to(expected.targets(), cube.view(), quick_bake());
   const Room room;
   for (const double share : {0.05, 0.4, 0.7, 0.95}) {  // of the work that is done before the bake is asked to stop
     stop_source stop;
-    const BakeTo request{source_of(cube), room.targets(), bake_of()};
+    const BakeTo request{source_of(cube), room.targets(), quick_bake()};
     const Control control{stop.get_token(), [&](double done) {
                             if (done >= share) stop.request_stop();
                           }};
@@ -284,7 +213,7 @@ TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, an
   }
   Worker worker(options_with(2));
   for (int round = 0; round < 3; ++round) {
-    auto job = worker.post(BakeTo{source_of(cube), room.targets(), bake_of()});
+    auto job = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
     REQUIRE(eventually([&] { return job.progress() > 0.0 || job.ready(); }));
     job.cancel();
     const std::string end = outcome(job);
@@ -293,8 +222,12 @@ TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, an
     worker.wait_until_idle();
     CHECK(room.bytes() == left);
   }
-  REQUIRE(take(worker.post(BakeTo{source_of(cube), room.targets(), bake_of()})));
+  auto last = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
+  const auto found = take(last);
+  REQUIRE(found);
+  CHECK(same_bits(*found, baked));
   CHECK(room == expected);
+  CHECK(last.progress() == 1.0);
 }
 
 TEST_CASE("BakeTo: the owner keeps the targets' memory until the job is ready", "[worker][bake]") {
@@ -303,7 +236,7 @@ TEST_CASE("BakeTo: the owner keeps the targets' memory until the job is ready", 
   auto room = std::make_shared<Room>();
   const std::weak_ptr<Room> watched = room;
   Hold hold(worker);
-  auto job = worker.post(BakeTo{source_of(cube), room->targets(), bake_of(), std::move(room)});
+  auto job = worker.post(BakeTo{source_of(cube), room->targets(), quick_bake(), std::move(room)});
   CHECK_FALSE(watched.expired());
   hold.let_go();
   CHECK(take(job));

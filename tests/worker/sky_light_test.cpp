@@ -354,9 +354,7 @@ TEST_CASE("the same atmosphere and nearly the same altitude are nothing new", "[
 }
 
 TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
-  WorkerOptions full = options_with(1);
-  full.max_jobs = 1;
-  Worker worker(full);
+  Worker worker(options_with(1, {.max_jobs = 1}));
   std::unique_ptr<SkyLight> sky;
   {
     Hold hold(worker);

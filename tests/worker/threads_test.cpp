@@ -10,8 +10,6 @@
 #include "support/heap.h"
 #include "support/jobs.h"
 #include "support/process_threads.h"
-#include "support/same_bits.h"
-#include "support/test_environments.h"
 #include "welkin/worker.h"
 #include "worker/scheduler.h"
 
@@ -124,9 +122,7 @@ TEST_CASE("the memory of jobs that is kept has a bound, however often threads me
 
 TEST_CASE("a worker has as many threads as it was asked for, all at work at once", "[worker]") {
   for (const int count : {1, 2, 5}) {
-    WorkerOptions options = options_with(count);
-    options.name = "count";
-    Worker worker(options);
+    Worker worker(options_with(count, {.name = "count"}));
     CHECK(worker.threads() == count);
     CHECK(has_threads("count", static_cast<std::size_t>(count)));
     CHECK(threads_at_work(worker, count) == threads_named("count"));
@@ -134,14 +130,11 @@ TEST_CASE("a worker has as many threads as it was asked for, all at work at once
 }
 
 TEST_CASE("threads have the worker's name and a number", "[worker]") {
-  WorkerOptions options = options_with(2);
-  options.name = "sky light";
-  const Worker worker(options);
+  const Worker worker(options_with(2, {.name = "sky light"}));
   CHECK(has_threads("sky light", 2));
 
   // Linux keeps 15 characters: the number must be among them, or the threads could not be told apart.
-  options.name = "a name longer than fifteen characters";
-  const Worker long_named(options);
+  const Worker long_named(options_with(2, {.name = "a name longer than fifteen characters"}));
   CHECK(has_threads("a name longer", 2));
   std::set<std::string> names;
   for (const int thread : threads_named("a name longer")) names.insert(thread_name(thread));
@@ -155,10 +148,7 @@ TEST_CASE("threads have the priority that they were asked to have", "[worker][sl
   CHECK(WorkerOptions().thread_priority == ThreadPriority::below_normal);
   const int own_nice = getpriority(PRIO_PROCESS, static_cast<id_t>(this_thread_number()));
   for (const ThreadPriority priority : {ThreadPriority::idle, ThreadPriority::below_normal, ThreadPriority::normal}) {
-    WorkerOptions options = options_with(2);
-    options.thread_priority = priority;
-    options.name = "ranked";
-    Worker worker(options);
+    Worker worker({.threads = 2, .thread_priority = priority, .name = "ranked"});
     CHECK(has_threads("ranked", 2));
     for (const int thread : threads_at_work(worker, 2)) {
       const int policy = sched_getscheduler(thread);
@@ -174,9 +164,7 @@ TEST_CASE("threads have the priority that they were asked to have", "[worker][sl
 
 TEST_CASE("the engine's threads and the worker's stay out of each other's work", "[worker]") {
   run_with_threads(3, [] {
-    WorkerOptions options = options_with(2);
-    options.name = "apart";
-    Worker worker(options);
+    Worker worker(options_with(2, {.name = "apart"}));
     CHECK(has_threads("apart", 2));
     const std::set<int> own = threads_named("apart");
     std::mutex mutex;
@@ -289,12 +277,6 @@ TEST_CASE("a lent arena does the work", "[worker][slow]") {
     auto width = worker.post([](const Control&) { return tbb::this_task_arena::max_concurrency(); });
     CHECK(take(width) == std::max(slots, 2));  // oneTBB gives one for enqueued tasks to an arena of one
 
-    const TestCubemap cubemap = make_cubemap(Content::random, 200, 3, 1);
-    const Projection expected = project(cubemap.view());
-    std::vector<Job<Projection>> jobs;
-    for (int k = 0; k < 20; ++k) jobs.push_back(worker.post(Project{Cubemap{200, cubemap.pixels}}));
-    for (auto& job : jobs) CHECK(same_bits(take(job), expected));
-
     auto chain = worker.post([](const Control&) { return 1; }).then([](int value) { return value + 1; });
     CHECK(take(chain) == 2);
     int drained = 0;
@@ -306,7 +288,8 @@ TEST_CASE("a lent arena does the work", "[worker][slow]") {
   }
 }
 
-TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]") {
+TEST_CASE("a worker ends without the tasks that nobody called, lets go of the executor, and late calls do nothing",
+          "[worker]") {
   const auto engine = std::make_shared<LateExecutor>();
   { const Worker first(lent(engine)); }
   const std::set<int> before = process_threads();
@@ -320,6 +303,10 @@ TEST_CASE("tasks that are called after the worker is gone do nothing", "[worker]
         return k;
       }));
     }
+    CHECK(engine.use_count() == 2);
+    worker.terminate();
+    CHECK(engine.use_count() == 1);
+    jobs.push_back(post_value(worker, 1));
   }
   for (auto& job : jobs) CHECK(outcome(job) == "stopped");
   engine->run_all();
@@ -409,18 +396,6 @@ TEST_CASE("an engine that refuses tasks leaves no job without a result or an err
     CHECK(worker.load().jobs == 0);
     CHECK(worker.load().bytes == 0);
   }
-}
-
-TEST_CASE("terminate waits for no task that nobody calls, and lets go of the executor", "[worker]") {
-  const auto engine = std::make_shared<LateExecutor>();
-  Worker worker(lent(engine));
-  auto job = worker.post([](const Control&) { return 1; });
-  CHECK(engine.use_count() == 2);
-  worker.terminate();
-  CHECK(engine.use_count() == 1);
-  CHECK(outcome(job) == "stopped");
-  engine->run_all();
-  CHECK(outcome(worker.post([](const Control&) { return 1; })) == "stopped");
 }
 
 }  // namespace welkin::test
