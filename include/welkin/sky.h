@@ -337,20 +337,13 @@ struct SkyImageOptions {
 /// scattering (Earth, default sizes): of nine harmonics, for suns from 90 to -8 degrees, 0.2 % on the ground, 0.3 % at
 /// 20 km and 0.7 % at the top of the air; of radiance (rms), 1e-5 by day, 0.5 % at and after sunset, and several
 /// percent at the edges of the planet's shadow.
+///
+/// Copies share the tables. A view that was moved from can only be assigned to or destroyed.
 class SkyView {
  public:
   /// Creates a view from an altitude of 0 (on the ground) to 1e9 m. Above the top of the air, a ray starts where it
   /// enters the air. Throws `Error` (invalid_argument), also for tables whose contents do not match their options.
   SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, const SkyViewOptions& options = {});
-  ~SkyView();
-  /// Copies a view; copies share the tables.
-  SkyView(const SkyView&);
-  /// Moves a view. The source can then only be assigned to or destroyed.
-  SkyView(SkyView&&) noexcept;
-  /// Copies a view; copies share the tables.
-  SkyView& operator=(const SkyView&);
-  /// Moves a view. The source can then only be assigned to or destroyed.
-  SkyView& operator=(SkyView&&) noexcept;
 
   /// Returns the tables of the view.
   [[nodiscard]] const std::shared_ptr<const SkyTables>& tables() const noexcept;

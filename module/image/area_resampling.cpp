@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -32,13 +33,13 @@ constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
 // To the cube: each texel is a weighted mean of the lat-long's.
 
 /// Draws all images of a run of tiles.
-class CubeMeans final : public RunSink {
+class CubeMeans {
  public:
   /// `patch`: room for the RGB of the largest patch, and of what is read beyond it.
   CubeMeans(const TileWeights& weights, const FloatPlane& image, const std::array<float*, 6>& faces, float* patch)
       : weights_(weights), image_(image), faces_(faces), patch_(patch) {}
 
-  void take(const WeighedRun& run) override {
+  void operator()(const WeighedRun& run) {
     const std::span<const std::int32_t> columns(run.patches.columns, static_cast<std::size_t>(run.patches.count));
     const auto [lowest, highest] = platform::ranges::minmax(columns);
     for (const TileImage& image : images_of(run.kind)) {
@@ -137,9 +138,9 @@ void fill_by_area(const LatLongView& source, int size, const std::array<float*, 
                     const bool polar = tile >= tiles;
                     for (int row = first; row < std::min(first + tile_lines, lines); ++row) {
                       if (made) {
-                        made->fill(polar, row, scratch[worker], means);
+                        made->fill(polar, row, scratch[worker], std::ref(means));
                       } else {
-                        kept->read(polar, row, scratch.empty() ? nullptr : &scratch[worker], means);
+                        kept->read(polar, row, scratch.empty() ? nullptr : &scratch[worker], std::ref(means));
                       }
                     }
                   });
@@ -154,12 +155,12 @@ constexpr double kPi = std::numbers::pi;
 enum class Part { all, north, south };
 
 /// Adds all images of a run of tiles.
-class RingSums final : public RunSink {
+class RingSums {
  public:
   RingSums(const TileWeights& weights, const std::array<const float*, 6>& faces, Part part, double* sums)
       : weights_(weights), faces_(faces), part_(part), sums_(sums) {}
 
-  void take(const WeighedRun& run) override {
+  void operator()(const WeighedRun& run) {
     for (const TileImage& image : images_of(run.kind)) {
       if (part_ != Part::all && image.below != (part_ == Part::south)) continue;
       PlacedRun placed;
@@ -227,7 +228,7 @@ void fill_lat_long_by_area(const CubemapView& source, int width, int height, flo
                     for (int row = 0; row < weights.lines(); ++row) {
                       jobs::throw_if_cancelled(control);
                       for (const bool polar : {false, true}) {
-                        weights.weigh(weights.kind_of(polar, row), row, scratch[tile], ring_sums);
+                        weights.weigh(weights.kind_of(polar, row), row, scratch[tile], std::ref(ring_sums));
                       }
                     }
                   });

@@ -1,9 +1,9 @@
-#include "image/area_tiling.h"
-
+// The shapes of tiles, and where their images lie.
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "image/area_weights.h"
 #include "math/elementary.h"
 
 namespace welkin::image {

@@ -144,7 +144,7 @@ std::size_t TileWeights::largest_patch() const noexcept {
   return static_cast<std::size_t>(std::min(rows, 1.0 * height_) + 1.0) * static_cast<std::size_t>(columns);
 }
 
-void TileWeights::weigh(TileKind kind, int row, TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh(TileKind kind, int row, TileScratch& scratch, const RunSink& sink) const {
   if (kind == TileKind::pole) return weigh_pole(scratch, sink);
   if (kind == TileKind::polar) return weigh_polar(row, scratch, sink);
   if (scratch.line_ != row) tiling_.side_heights(row, scratch.lower_.data());
@@ -176,7 +176,7 @@ int TileWeights::tiles_together(const TileScratch& scratch, int first, int end, 
   return last - first;
 }
 
-void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh_rectangles(int row, TileScratch& scratch, const RunSink& sink) const {
   const int half = tiling_.half();
   int guess = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(half); ++k) {
@@ -214,13 +214,13 @@ void TileWeights::weigh_rectangles(int row, TileScratch& scratch, RunSink& sink)
       run.patches.patch_groups = columns.groups;
       run.patches.columns = columns.columns.data() + first;
       run.patches.weights = columns.weights.data() + std::ptrdiff_t{first} * kGroup * columns.groups;
-      sink.take(run);
+      sink(run);
     }
     first += count;
   }
 }
 
-void TileWeights::weigh_border(TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh_border(TileScratch& scratch, const RunSink& sink) const {
   const auto sides = [&](int column, TileSide* side) {
     const CubeTiling::Border border = tiling_.border(column);
     const double lower = scratch.lower_[static_cast<std::size_t>(column)];
@@ -234,14 +234,14 @@ void TileWeights::weigh_border(TileScratch& scratch, RunSink& sink) const {
   weigh_line({TileKind::side, tiling_.half() - 1, 0, 0, {}, nullptr}, tiling_.half(), sides, scratch, sink);
 }
 
-void TileWeights::weigh_polar(int row, TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh_polar(int row, TileScratch& scratch, const RunSink& sink) const {
   scratch.polar_.place(row);
   const auto sides = [&](int column, TileSide* side) { return scratch.polar_.sides(column, side); };
   weigh_line({TileKind::polar, row, 0, 0, {}, nullptr}, row + 1, sides, scratch, sink);
 }
 
 /// The texel around the pole of an odd number: all columns alike.
-void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh_pole(TileScratch& scratch, const RunSink& sink) const {
   scratch.polar_.place(0);
   // A cap from height -1 (the pole) to `height`: its solid angle is 2 pi (height + 1), in columns times height
   // (height + 1) width.
@@ -260,7 +260,7 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
   run.patches.rows = run.patches.columns = &zero;
   run.patches.weights = scratch.weights_.data();
   run.patches.count = 1;
-  sink.take(run);
+  sink(run);
 }
 
 /// `sides(column, out)`: a tile's; how many there are.
@@ -268,7 +268,8 @@ void TileWeights::weigh_pole(TileScratch& scratch, RunSink& sink) const {
 /// over a tile one around it, Int x y = sum over its sides of X(longitude) (Y(to) - Y(from)): sides along latitudes
 /// have no change of Y and drop out, and the tile's area is the same sum with X = longitude, Y = height (`weigh_tile`).
 template <class Sides>
-void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const {
+void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch,
+                             const RunSink& sink) const {
   for (run.rest = 0; run.rest < 4; ++run.rest) {
     if (!needed_[static_cast<std::size_t>(run.rest)]) continue;
     const SoftCells& columns = columns_[static_cast<std::size_t>(run.rest)];
@@ -315,7 +316,7 @@ void TileWeights::weigh_line(WeighedRun run, int count, const Sides& sides, Tile
       patches.columns = scratch.columns_.data() + run.first;
       patches.weights = scratch.weights_.data();
       run.areas = scratch.areas_.data();
-      sink.take(run);
+      sink(run);
     }
   }
 }
@@ -434,57 +435,39 @@ bool TileWeightTable::complete() const noexcept {
   return !lines_.empty() && std::all_of(lines_.begin(), lines_.end(), [](const Line& line) { return line.kept; });
 }
 
-/// Copies what goes by.
-class TileWeightTable::Filler final : public RunSink {
- public:
-  Filler(TileWeightTable& table, Line& line, std::size_t tiles, RunSink& next)
-      : table_(table), line_(line), tiles_(tiles), next_(next) {
-    line.kept = true;
-  }
-
-  void take(const WeighedRun& run) override {
-    keep(run);
-    next_.take(run);
-  }
-
- private:
-  void keep(const WeighedRun& run) {
+void TileWeightTable::fill(bool polar, int row, TileScratch& scratch, const RunSink& sink) {
+  const TileKind kind = weights_.kind_of(polar, row);
+  if (lines_.empty()) return weights_.weigh(kind, row, scratch, sink);
+  Line& line = lines_[line_index(polar, row)];
+  const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
+  std::size_t used[4] = {};  // floats, of each rest
+  line.kept = true;
+  const auto keep = [&](const WeighedRun& run) {
+    sink(run);
     const PatchRun& patches = run.patches;
     const auto rest = static_cast<std::size_t>(run.rest);
     const auto count = static_cast<std::size_t>(patches.count);
     const bool product = patches.row_weights != nullptr;
     const std::size_t floats =
         count * static_cast<std::size_t>(patches.patch_rows * (product ? 1 : 4 * patches.patch_groups));
-    if (run.rest >= table_.rests_ || used_[rest] + floats > line_.floats || line_.runs_of[rest] == line_.runs) {
-      line_.kept = false;
+    if (run.rest >= rests_ || used[rest] + floats > line.floats || line.runs_of[rest] == line.runs) {
+      line.kept = false;
       return;
     }
-    const std::size_t run_at = line_.first_run + rest * line_.runs + line_.runs_of[rest]++;
-    table_.runs_[run_at] = {run.first, patches.count, patches.patch_rows, patches.patch_groups, used_[rest]};
+    const std::size_t run_at = line.first_run + rest * line.runs + line.runs_of[rest]++;
+    runs_[run_at] = {run.first, patches.count, patches.patch_rows, patches.patch_groups, used[rest]};
     std::copy_n(product ? patches.row_weights : patches.weights, floats,
-                table_.floats_.data() + line_.first_float + rest * line_.floats + used_[rest]);
-    used_[rest] += floats;
+                floats_.data() + line.first_float + rest * line.floats + used[rest]);
+    used[rest] += floats;
     std::int32_t* const indices =
-        table_.indices_.data() + line_.first_index + 2 * rest * tiles_ + static_cast<std::size_t>(run.first);
+        indices_.data() + line.first_index + 2 * rest * tiles + static_cast<std::size_t>(run.first);
     std::copy_n(patches.rows, count, indices);
-    std::copy_n(patches.columns, count, indices + tiles_);
-  }
-
-  TileWeightTable& table_;
-  Line& line_;
-  std::size_t tiles_;
-  std::size_t used_[4] = {};  ///< floats, of each rest
-  RunSink& next_;
-};
-
-void TileWeightTable::fill(bool polar, int row, TileScratch& scratch, RunSink& sink) {
-  const TileKind kind = weights_.kind_of(polar, row);
-  if (lines_.empty()) return weights_.weigh(kind, row, scratch, sink);
-  Filler filler(*this, lines_[line_index(polar, row)], static_cast<std::size_t>(weights_.tiles_of(kind, row)), sink);
-  weights_.weigh(kind, row, scratch, filler);
+    std::copy_n(patches.columns, count, indices + tiles);
+  };
+  weights_.weigh(kind, row, scratch, std::ref(keep));
 }
 
-void TileWeightTable::read(bool polar, int row, TileScratch* scratch, RunSink& sink) const {
+void TileWeightTable::read(bool polar, int row, TileScratch* scratch, const RunSink& sink) const {
   const TileKind kind = weights_.kind_of(polar, row);
   if (lines_.empty() || !lines_[line_index(polar, row)].kept) return weights_.weigh(kind, row, *scratch, sink);
   const Line& line = lines_[line_index(polar, row)];
@@ -506,7 +489,7 @@ void TileWeightTable::read(bool polar, int row, TileScratch* scratch, RunSink& s
       run.patches.weights =
           product ? columns.weights.data() + std::ptrdiff_t{kGroup} * columns.groups * stored.first : weights;
       run.patches.row_weights = product ? weights : nullptr;
-      sink.take(run);
+      sink(run);
     }
   }
 }

@@ -1,21 +1,169 @@
-// A row of cells along a line, with a value each, made smooth between neighbours without moving any of it.
-//
-// About each edge the value goes linearly from one cell's to the next one's, over a ramp of equal length on both sides;
-// so the integral of a cell's share stays the cell's length, and all shares add up to 1. Ramps of no length: cells as
-// they are; of a cell's length: linear interpolation between cells' centres, where cells are equal.
+// Area that the texels of a lat-long and those of a cube have in common: tiles, shares and weights.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "image/area_tiling.h"
+#include "image/image_kernels.h"
 #include "platform/memory.h"
 
 namespace welkin::image {
+
+// A cube's texels as tiles of the plane of longitude and sine of latitude, where areas are solid angles.
+//
+// Edges of tiles run along longitudes and latitudes only, in steps: an edge of a texel that leads rather along a
+// latitude goes, from the longitude of its one end to that of the other, at its own mean height; one that leads rather
+// along a longitude, from the height of its one end to that of the other, at its own mean longitude; and both ends stay
+// where they are. (On the faces +-Y and at their borders in two such steps each: at the diagonals tiles' edges differ
+// in kind.) So neighbours share the edge still, tiles cover the sphere without gap or overlap, and each has its texel's
+// solid angle exactly. On the four side faces, whose columns are bounded by longitudes, a tile is a rectangle.
+//
+// It suffices to look at the faces +X or the like, from the middle to the right and upwards, and of +Y at the eighth
+// 0 <= u <= v: all else is mirrored or turned. Heights are -y, which rises with the rows of a lat-long.
+
+class CubeTiling {
+ public:
+  explicit CubeTiling(int size);
+
+  [[nodiscard]] int size() const noexcept { return size_; }
+  /// Texels from the middle of a face on, the middle one included.
+  [[nodiscard]] int half() const noexcept { return half_; }
+
+  /// Where texel `index`, counted from the middle, begins: below 0 only for the middle one of an odd number.
+  [[nodiscard]] double edge(int index) const noexcept { return static_cast<double>(2 * index - size_ % 2) / size_; }
+  /// The longitude of that on a side face.
+  [[nodiscard]] double longitude(int index) const noexcept { return longitudes_[static_cast<std::size_t>(index)]; }
+
+  /// Side faces: the mean heights of line `line` (from the top, 0 to half()) over each column, half() of them.
+  void side_heights(int line, double* heights) const noexcept;
+
+  /// A column's stretch of the border between a side face and +Y, in two steps.
+  struct Border {
+    double middle;  ///< longitude
+    double first_height;
+    double second_height;
+  };
+  [[nodiscard]] Border border(int column) const noexcept;
+
+ private:
+  int size_;
+  int half_;
+  std::vector<double> longitudes_;
+};
+
+/// Row after row of the eighth of +Y, from the pole outwards.
+class PolarRow {
+ public:
+  explicit PolarRow(const CubeTiling& tiling);
+
+  /// Texels (column, row), column <= row, in the first row's case (0, 0). Rows must be placed in rising order from any
+  /// one on.
+  void place(int row);
+
+  /// The sides of a tile, at most `TileRun::kMaxSides`, whose sum of longitude (to - from) is its solid angle; how
+  /// many there are. Not for the middle texel of an odd number, which has no boundary in longitude.
+  int sides(int column, TileSide* sides) const noexcept;
+
+  /// The height of the line beyond the row over a column: the middle texel's tile is what lies above that of column 0.
+  [[nodiscard]] double outer_height(int column) const noexcept {
+    const auto k = static_cast<std::size_t>(column);
+    return 0.5 * (outer_.first_heights[k] + outer_.second_heights[k]);
+  }
+
+ private:
+  /// What lies on a line of constant v: its points with the columns' edges and middles, and the mean heights between.
+  struct Line {
+    std::vector<double> longitudes;
+    std::vector<double> point_heights;
+    std::vector<double> middles;  ///< longitudes
+    std::vector<double> first_heights;
+    std::vector<double> second_heights;
+  };
+
+  /// The part of a column's edge that lies in the row, in two halves.
+  struct Upright {
+    double inner_longitude;
+    double outer_longitude;
+    double middle_height;
+  };
+
+  void fill_line(int index, Line& line) const noexcept;
+
+  const CubeTiling& tiling_;
+  int row_ = -2;
+  Line inner_;
+  Line outer_;
+  /// An end of a column's edge in a row: y, and the integral of longitude over y up to there.
+  struct End {
+    double y;
+    double integral;
+  };
+
+  std::vector<Upright> uprights_;  ///< of the columns' edges
+  std::vector<End> outer_ends_;    ///< at the row's outer line
+};
+
+// Where on a cube the mirror images and quarter turns of a tile lie: all of them have the same weights.
+
+/// From a distance in longitude, in columns, to a column: quarter / 4 of the width plus or minus the distance.
+struct TileImage {
+  int face;
+  int quarter;    ///< where the distance is counted from, in quarters of the width
+  bool mirrored;  ///< columns fall with the distance
+  bool below;     ///< rows from the bottom up
+  bool right;     ///< the texel's place on the face: u > 0
+  bool lower;     ///< v > 0
+  bool swapped;   ///< u and v exchanged
+};
+
+/// How far the place that an image's distances are counted from lies beyond a column's edge, against the way its
+/// columns count, in quarters of a column.
+[[nodiscard]] int rest_of(const TileImage& image, int width) noexcept;
+
+/// The parts of the cube whose tiles have weights of their own, and those tiles' images.
+enum class TileKind {
+  side,   ///< on +X or the like, from the middle to the right and upwards
+  polar,  ///< on +Y, 0 <= u <= v
+  pole,   ///< the texel around the pole where the number of texels is odd
+};
+[[nodiscard]] std::span<const TileImage> images_of(TileKind kind) noexcept;
+
+/// The weights of a run of tiles. `patches` lacks what depends on the image and the lat-long; its columns are counted
+/// from the place of distance 0 and its rows from the pole.
+struct WeighedRun {
+  TileKind kind;
+  int line;   ///< counted from the middle of the face: v of the texels
+  int first;  ///< u of the first texel, counted in the same way
+  int rest;   ///< of the images that the weights are for
+  PatchRun patches;
+  const double* areas;  ///< of the tiles, in columns times height; may be missing
+};
+
+/// `count` of a run's points, from `first` on.
+[[nodiscard]] PatchRun part_of(const PatchRun& run, int first, int count);
+
+/// A run as one of its images has it: `patches` lacks its origin and stride only.
+struct PlacedRun {
+  PatchRun patches;
+  const double* areas;
+  std::ptrdiff_t offset;  ///< of the first result in the image's face, in floats
+};
+
+/// Whether an image has texels of a run that are not another one's too, on a cube of `size` and a lat-long of `width`;
+/// which ones, if so.
+[[nodiscard]] bool place_image(const TileImage& image, const WeighedRun& run, int size, int width, PlacedRun& placed);
+
+// A row of cells along a line, with a value each, made smooth between neighbours without moving any of it.
+//
+// About each edge the value goes linearly from one cell's to the next one's, over a ramp of equal length on both sides;
+// so the integral of a cell's share stays the cell's length, and all shares add up to 1. Ramps of no length: cells as
+// they are; of a cell's length: linear interpolation between cells' centres, where cells are equal.
 
 class SoftCells {
  public:
@@ -79,16 +227,8 @@ class SoftCells {
 
 class TileWeights;
 
-/// Who gets the weights.
-class RunSink {
- public:
-  RunSink() = default;
-  virtual ~RunSink() = default;
-  RunSink(const RunSink&) = delete;
-  RunSink& operator=(const RunSink&) = delete;
-
-  virtual void take(const WeighedRun& run) = 0;
-};
+/// Who gets the weights. (A reference to what takes them, which allocates nothing.)
+using RunSink = std::function<void(const WeighedRun&)>;
 
 /// One worker's room for the weights of a run of tiles.
 class TileScratch {
@@ -126,7 +266,7 @@ class TileWeights {
 
   /// Hands out the weights of a line of tiles, counted from +Y on side faces and from the pole, run after run. Lines
   /// next to each other take less if one scratch has them in rising order.
-  void weigh(TileKind kind, int row, TileScratch& scratch, RunSink& sink) const;
+  void weigh(TileKind kind, int row, TileScratch& scratch, const RunSink& sink) const;
 
   /// What all lines of a side face but the first have in common, for the images of a rest.
   struct SideColumns {
@@ -147,10 +287,10 @@ class TileWeights {
   [[nodiscard]] SoftCells soft_columns(double offset) const;
   [[nodiscard]] SideColumns columns_of_sides(const SoftCells& columns) const;
 
-  void weigh_rectangles(int row, TileScratch& scratch, RunSink& sink) const;
-  void weigh_border(TileScratch& scratch, RunSink& sink) const;
-  void weigh_polar(int row, TileScratch& scratch, RunSink& sink) const;
-  void weigh_pole(TileScratch& scratch, RunSink& sink) const;
+  void weigh_rectangles(int row, TileScratch& scratch, const RunSink& sink) const;
+  void weigh_border(TileScratch& scratch, const RunSink& sink) const;
+  void weigh_polar(int row, TileScratch& scratch, const RunSink& sink) const;
+  void weigh_pole(TileScratch& scratch, const RunSink& sink) const;
 
   /// What patches of a stretch of tiles need at most: rows, and groups of four columns.
   struct PatchSize {
@@ -164,7 +304,7 @@ class TileWeights {
   [[nodiscard]] int tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept;
 
   template <class Sides>
-  void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, RunSink& sink) const;
+  void weigh_line(WeighedRun run, int count, const Sides& sides, TileScratch& scratch, const RunSink& sink) const;
 
   CubeTiling tiling_;
   int width_;
@@ -208,9 +348,9 @@ class TileWeightTable {
   [[nodiscard]] bool complete() const noexcept;
 
   /// Weighs a line, hands it out and keeps it. Of different lines in different threads at once.
-  void fill(bool polar, int row, TileScratch& scratch, RunSink& sink);
+  void fill(bool polar, int row, TileScratch& scratch, const RunSink& sink);
   /// Hands out a line, which is weighed only if it is not kept. `scratch`: may be null if the table is complete.
-  void read(bool polar, int row, TileScratch* scratch, RunSink& sink) const;
+  void read(bool polar, int row, TileScratch* scratch, const RunSink& sink) const;
 
  private:
   /// Where the weights of a line are, for each of the rests that images have.
@@ -230,7 +370,6 @@ class TileWeightTable {
     int groups = 0;
     std::size_t float_offset = 0;  ///< within the line's rest
   };
-  class Filler;
 
   [[nodiscard]] std::size_t floats_for(TileKind kind, int row) const noexcept;
   [[nodiscard]] std::size_t line_index(bool polar, int row) const noexcept {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "image/bc6h_partitions.h"
 #include "image/block_bits.h"
 
 namespace welkin::image {

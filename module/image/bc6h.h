@@ -48,10 +48,24 @@ struct Bc6hFields {
 /// For modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
 void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
 
-/// Bit k: texel k (row by row) belongs to the second line.
-[[nodiscard]] std::uint16_t bc6h_second_line(int partition) noexcept;
+// Which texels of a block with two lines belong to which: plain numbers, as a kernel calls nothing outside, and not
+// inline, as its objects define nothing that others could be linked to.
 
-/// The texel of the second line whose index has one bit less: 2, 8 or 15. The first line's is texel 0.
+/// Texel k of the second line is bit k (row by row). These are the first 32 of BC7's partitions, too.
+constexpr std::uint16_t kBc6hSecondLines[] = {0xCCCC, 0x8888, 0xEEEE, 0xECC8, 0xC880, 0xFEEC, 0xFEC8, 0xEC80,
+                                              0xC800, 0xFFEC, 0xFE80, 0xE800, 0xFFE8, 0xFF00, 0xFFF0, 0xF000,
+                                              0xF710, 0x008E, 0x7100, 0x08CE, 0x008C, 0x7310, 0x3100, 0x8CCE,
+                                              0x088C, 0x3110, 0x6666, 0x366C, 0x17E8, 0x0FF0, 0x718E, 0x399C};
+
+/// The texel of the second line whose index has one bit less. The first line's is texel 0.
+constexpr std::uint8_t kBc6hAnchors[] = {15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15,
+                                         15, 2,  8,  2,  2,  8,  8,  15, 2,  8,  2,  2,  8,  8,  2,  2};
+
+inline constexpr int kBc6hPartitions = 32;
+static_assert(sizeof kBc6hSecondLines == kBc6hPartitions * sizeof(std::uint16_t) &&
+              sizeof kBc6hAnchors == kBc6hPartitions);
+
+[[nodiscard]] std::uint16_t bc6h_second_line(int partition) noexcept;
 [[nodiscard]] int bc6h_anchor(int partition) noexcept;
 
 /// 16 x 3 halves, row by row. Reserved modes give black.

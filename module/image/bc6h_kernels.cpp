@@ -225,9 +225,8 @@ template <bool is_signed>
 WELKIN_INLINE void single_lanes(const BlockLanes& block, bool refine, std::int32_t* words, float* errors) {
   const AllTexels texels;
   const Lanes largest(kLargestHalfBits);
-  Centre centre;
-  Projection projection;
-  first_projection(block, texels, centre, projection);
+  const Centre centre = centre_of(block, texels);
+  const Projection projection = along_spread(block, texels, centre);
   SingleLine best = stored_line<is_signed>(block, least_squares(block, texels, centre, projection, largest, is_signed));
   if (refine) {
     keep_better(

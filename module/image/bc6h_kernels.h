@@ -15,23 +15,11 @@ struct alignas(64) BlockGroup {
   float weights[16][simd::kLanes];
 };
 
-/// Values from packed RGB floats: rows[4 block + row] is a row of a block, four texels.
-using LoadBlocks = void (*)(const float* const* rows, BlockGroup& group);
-
-/// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
-/// and weights to what a texel's light makes them: w (1 + 2.5 L / mean of L). What the halves cannot hold is clamped,
-/// NaN is 0: clamped[block] says how many values of a block that were. light[channel][block]: the sum of the values'
-/// magnitudes, each times its texel's given weight.
-using PrepareBlocks = void (*)(BlockGroup& group, bool is_signed, std::int32_t* clamped, float (*light)[simd::kLanes]);
-
 /// Finished blocks.
 struct alignas(64) EncodedBlocks {
   std::int32_t words[4][simd::kLanes];  ///< of a block, the lowest bits first
   float errors[simd::kLanes];           ///< sums of squares, in units of the halves' last bits
 };
-
-/// Modes 11 to 14. `refine`: the line is fitted once more to the indices that came of its first ends.
-using EncodeSingleLines = void (*)(const BlockGroup& group, bool is_signed, bool refine, EncodedBlocks& blocks);
 
 /// The numbers of blocks with two lines, modes 1 to 10, as `Bc6hFields` has them (ends with all their bits).
 struct alignas(64) TwoLineBlocks {
@@ -43,9 +31,6 @@ struct alignas(64) TwoLineBlocks {
 };
 
 inline constexpr int kMaxPartitionsTried = 4;
-
-/// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMaxPartitionsTried`.
-using EncodeTwoLines = void (*)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
 
 /// 16 choices of one channel's ends of a line, as the decoder has them with 16 bits, and the line's texels: how far
 /// along it each is, and its half's bits as a number.
@@ -60,54 +45,54 @@ struct alignas(64) EndTrials {
   int texels;                   ///< of the line
 };
 
-using TryEnds = void (*)(EndTrials& trials, bool is_signed);
-
 struct Bc6hKernels {
-  LoadBlocks load;
-  PrepareBlocks prepare;
-  EncodeSingleLines single_lines;
-  EncodeTwoLines two_lines;
-  TryEnds try_ends;
+  /// Values from packed RGB floats: rows[4 block + row] is a row of a block, four texels.
+  void (*load)(const float* const* rows, BlockGroup& group);
+
+  /// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
+  /// and weights to what a texel's light makes them: w (1 + 2.5 L / mean of L). What the halves cannot hold is clamped,
+  /// NaN is 0: clamped[block] says how many values of a block that were. light[channel][block]: the sum of the values'
+  /// magnitudes, each times its texel's given weight.
+  void (*prepare)(BlockGroup& group, bool is_signed, std::int32_t* clamped, float (*light)[simd::kLanes]);
+
+  /// Modes 11 to 14. `refine`: the line is fitted once more to the indices that came of its first ends.
+  void (*single_lines)(const BlockGroup& group, bool is_signed, bool refine, EncodedBlocks& blocks);
+
+  /// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMaxPartitionsTried`.
+  void (*two_lines)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
+
+  /// Fills in what comes of each choice.
+  void (*try_ends)(EndTrials& trials, bool is_signed);
 };
 WELKIN_KERNEL_TABLES(Bc6hKernels, bc6h_kernels)
 
 // Kernels of UASTC HDR, whose blocks are loaded and prepared by BC6H's.
 
-/// Halves' bits as numbers to the logarithms of ASTC: the middle of those that become this half. flat[block]: 1 if all
-/// texels of a block are equal, else 0.
-using TakeLogarithms = void (*)(BlockGroup& group, std::int32_t* flat);
-
-/// Lines of 16 blocks, in logarithms: [line][low, high][channel][block]. A block with one line has the first.
+/// Lines of 16 blocks, in logarithms: [line][low, high][channel][block]. Blocks with one line have the first.
 struct alignas(64) BlockLines {
   float ends[2][2][3][simd::kLanes];
 };
 
-/// The lines that are nearest to the texels. `stored`: if the texels keep the indices that these lines give them;
-/// null: if they lie along the direction in which they spread most.
-using FitSingle = void (*)(const BlockGroup& group, const BlockLines* stored, BlockLines& fitted);
-using FitPairs = void (*)(const BlockGroup& group, const float* partitions, const BlockLines* stored,
-                          BlockLines& fitted);
-
-/// The indices of texels along stored lines.
 struct alignas(64) BlockIndices {
   std::int32_t indices[16][simd::kLanes];
   float errors[simd::kLanes];  ///< sums of squares, in units of the halves' last bits
 };
-using IndexSingle = void (*)(const BlockGroup& group, const BlockLines& stored, BlockIndices& to);
-using IndexPairs = void (*)(const BlockGroup& group, const float* partitions, const BlockLines& stored,
-                            BlockIndices& to);
-
-/// The partitions among `allowed` (bit k for k) that promise most: partitions[rank][block], the best one first.
-using RankPartitions = void (*)(const BlockGroup& group, std::uint32_t allowed, int slots,
-                                float (*partitions)[simd::kLanes]);
 
 struct UastcHdrKernels {
-  TakeLogarithms take_logarithms;
-  FitSingle fit_single;
-  IndexSingle index_single;
-  RankPartitions rank_partitions;
-  FitPairs fit_pairs;
-  IndexPairs index_pairs;
+  /// Halves' bits as numbers to the logarithms of ASTC: the middle of those that become this half. flat[block]: 1 if
+  /// all texels of a block are equal, else 0.
+  void (*take_logarithms)(BlockGroup& group, std::int32_t* flat);
+
+  /// The partitions among `allowed` (bit k for k) that promise most: partitions[rank][block], the best one first.
+  void (*rank_partitions)(const BlockGroup& group, std::uint32_t allowed, int slots, float (*partitions)[simd::kLanes]);
+
+  /// The lines that are nearest to the texels. `partitions`: of the blocks, which have two lines; null: they have one.
+  /// `stored`: if the texels keep the indices that these lines give them; null: if they lie along the direction in
+  /// which they spread most.
+  void (*fit_lines)(const BlockGroup& group, const float* partitions, const BlockLines* stored, BlockLines& fitted);
+
+  /// The indices that stored lines give the texels, and the errors of both.
+  void (*index_lines)(const BlockGroup& group, const float* partitions, const BlockLines& stored, BlockIndices& to);
 };
 WELKIN_KERNEL_TABLES(UastcHdrKernels, uastc_hdr_kernels)
 

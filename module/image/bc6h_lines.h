@@ -154,12 +154,10 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
 
 /// The projection that a fit begins with, along the direction in which the texels spread most.
 template <class Texels>
-WELKIN_INLINE void first_projection(const BlockLanes& block, const Texels& texels, Centre& centre,
-                                    Projection& projection) {
-  centre = centre_of(block, texels);
+WELKIN_INLINE Projection along_spread(const BlockLanes& block, const Texels& texels, const Centre& centre) {
   Lanes axis[3];
   principal_axis(block, texels, centre, axis);
-  projection = along_axis(block, texels, axis);
+  return along_axis(block, texels, axis);
 }
 
 template <class Texels>

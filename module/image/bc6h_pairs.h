@@ -2,9 +2,9 @@
 // the ends and indices. Only for the sources of kernels.
 #pragma once
 
+#include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
 #include "image/bc6h_lines.h"
-#include "image/bc6h_partitions.h"
 
 namespace welkin::image::WELKIN_ISA {
 
@@ -311,10 +311,8 @@ WELKIN_INLINE void encode_pair(const BlockLanes& block, int tried, int lane, Two
     const Sides sides(ranking.partitions[rank]);
     const SideTexels<false> first{sides};
     const SideTexels<true> second{sides};
-    Centre centres[2];
-    Projection projections[2];
-    first_projection(block, first, centres[0], projections[0]);
-    first_projection(block, second, centres[1], projections[1]);
+    const Centre centres[2] = {centre_of(block, first), centre_of(block, second)};
+    Projection projections[2] = {along_spread(block, first, centres[0]), along_spread(block, second, centres[1])};
     for (int turn = 0; turn < 2; ++turn) {
       const FittedLine lines[2] = {least_squares(block, first, centres[0], projections[0], largest, is_signed),
                                    least_squares(block, second, centres[1], projections[1], largest, is_signed)};

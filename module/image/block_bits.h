@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "image/bc6h.h"
 #include "image/pixels.h"
@@ -14,12 +15,11 @@ namespace welkin::image {
 inline constexpr int kBitsOfBlock = 128;
 
 /// A block's bits, from below: the lowest bit of its first byte is the first one.
+/// Words lie in memory as their bytes do in a block: all processors that there are builds for are little-endian.
 class BlockBits {
  public:
   BlockBits() = default;
-  explicit BlockBits(const std::uint8_t* block) noexcept {
-    for (std::size_t k = 0; k < kBlockBytes; ++k) words_[k / 8] |= std::uint64_t{block[k]} << (8 * (k % 8));
-  }
+  explicit BlockBits(const std::uint8_t* block) noexcept { std::memcpy(words_.data(), block, kBlockBytes); }
 
   /// `count`: up to 16. Bits beyond the block's are 0.
   [[nodiscard]] int at(int first, int count) const noexcept {
@@ -58,11 +58,7 @@ class BlockBits {
     return other;
   }
 
-  void store(std::uint8_t* block) const noexcept {
-    for (std::size_t k = 0; k < kBlockBytes; ++k) {
-      block[k] = static_cast<std::uint8_t>(words_[k / 8] >> (8 * (k % 8)));
-    }
-  }
+  void store(std::uint8_t* block) const noexcept { std::memcpy(block, words_.data(), kBlockBytes); }
 
  private:
   std::array<std::uint64_t, 2> words_{};

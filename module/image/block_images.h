@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -18,11 +19,7 @@ namespace welkin::image {
 
 /// Puts a block into its lane.
 inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_t* block, float error) noexcept {
-  for (std::size_t k = 0; k < 4; ++k, block += 4) {
-    std::uint32_t word = 0;
-    for (std::size_t byte = 4; byte-- > 0;) word = word << 8U | block[byte];
-    blocks.words[k][lane] = static_cast<std::int32_t>(word);
-  }
+  for (std::size_t k = 0; k < 4; ++k) std::memcpy(&blocks.words[k][lane], block + 4 * k, 4);
   blocks.errors[lane] = error;
 }
 
@@ -30,9 +27,7 @@ inline void set_block(EncodedBlocks& blocks, std::size_t lane, const std::uint8_
 [[nodiscard]] inline std::array<std::uint8_t, kBlockBytes> block_of(const EncodedBlocks& blocks,
                                                                     std::size_t lane) noexcept {
   std::array<std::uint8_t, kBlockBytes> block{};
-  for (std::size_t k = 0; k < kBlockBytes; ++k) {
-    block[k] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(blocks.words[k / 4][lane]) >> (8 * (k % 4)));
-  }
+  for (std::size_t k = 0; k < 4; ++k) std::memcpy(block.data() + 4 * k, &blocks.words[k][lane], 4);
   return block;
 }
 
@@ -90,7 +85,7 @@ struct EncodedLevels {
 struct BlockFormat {
   Bc6hEffort effort;
   bool is_signed;
-  /// One line for each block. Called with what `PrepareBlocks` makes; may change the values of the group.
+  /// One line for each block. Called with what `Bc6hKernels::prepare` makes; may change the values of the group.
   void (*encode_single_lines)(BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
   /// Two lines, for blocks that one was not enough for: the group as the function above left it.
   void (*encode_two_lines)(const BlockGroup& group, const BlockFormat& format, EncodedBlocks& to);
@@ -127,7 +122,7 @@ struct BlockTexels {
 /// `block`: counted over all images of a level.
 [[nodiscard]] BlockTexels block_texels(const std::vector<LatLongView>& images, std::size_t block, float least) noexcept;
 
-/// Writes the block's texels to all lanes, with those weights that are given to `PrepareBlocks`.
+/// Writes the block's texels to all lanes, with those weights that are given to `Bc6hKernels::prepare`.
 void fill_group(const BlockTexels& texels, BlockGroup& group) noexcept;
 
 /// A cubemap's faces, each as an image.

@@ -304,7 +304,7 @@ void reduce_pairs(const float* top, const float* bottom, const float* top_weight
   }
 }
 
-// The bandwidth yardstick.
+// Weights of a cube's tile over the texels of a lat-long (image/area_weights.h).
 
 /// As much of a cell's share and those of all cells after it as lies before `position`, for the cells from `first` on.
 WELKIN_INLINE DoubleLanes integrals_up_to(DoubleLanes position, const CellRow& cells, std::ptrdiff_t first) {

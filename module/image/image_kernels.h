@@ -17,20 +17,6 @@ struct ByteValues {
 /// Radiance of bytes of the sRGB transfer function (IEC 61966-2-1), each rounded once.
 extern const ByteValues kLinearFromSrgb;
 
-/// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
-using PlaneLengths = void (*)(const double* u, double v, int count, double* lengths);
-
-/// places[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in quarter
-/// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is rounded
-/// to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds nothing;
-/// with across and along exchanged it is `quarter` less the product.
-using AnglePositions = void (*)(const double* across, const double* along, int count, double quarter, double offset,
-                                double* places);
-
-/// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on weigh
-/// there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
-using PositionTaps = void (*)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
-
 /// Points of a row of an image, on a grid of texels of four floats (red, green, blue, unused).
 struct GridRun {
   const float* origin;         ///< ring 0, column 0
@@ -42,10 +28,6 @@ struct GridRun {
   int count;
   bool not_negative;  ///< results below 0 become 0
 };
-
-/// rgb[3 i + c] = the sum over the 4 x 4 texels around point i of texel times weight of its ring times weight of its
-/// column. Nothing beyond rgb[3 count - 1] is written.
-using SampleGrid = void (*)(const GridRun& run, float* rgb);
 
 /// Points of an image of packed RGB floats, each the weighted sum of a patch of texels of its own.
 struct PatchRun {
@@ -63,16 +45,6 @@ struct PatchRun {
   int count;
   std::ptrdiff_t rgb_step;  ///< floats from a point's result to the next one's
 };
-
-/// rgb[rgb_step k + c] = the sum of weight times texel over point k's patch; where all its texels are equal, that value
-/// itself. Rows are added one after the other (weights of columns are multiplied after that), then groups, then the
-/// four columns as SampleGrid does.
-using SamplePatches = void (*)(const PatchRun& run, float* rgb);
-
-/// rgb[3 i + c] = (top w + bottom w of texel 2 i) + (the same of texel 2 i + 1), i < count: 2 x 2 texels of two rows of
-/// packed RGB, weighted each on its own. A texel's weight stands in all three of its channels' places: [6 count].
-using ReducePairs = void (*)(const float* top, const float* bottom, const float* top_weights,
-                             const float* bottom_weights, int count, float* rgb);
 
 /// Cells along a line, with a ramp about each edge: see `SoftCells`. Beyond the last edge there are as many copies of
 /// it as a patch may reach, and a register.
@@ -103,32 +75,50 @@ struct TileRun {
   double* down_shares;  ///< room for [kMaxSides][down, up to a multiple of eight]
 };
 
-/// weights[down][4 groups] = the integral over the tile of each cell's share, over the tile's area, which is returned.
-/// By Green's theorem the sum over its sides of (share across up to the side) x (share down along the side); each side
-/// begins at the height where the one before it ends.
-using WeighTile = double (*)(const TileRun& run, float* weights);
-
-/// Bits of the halves nearest to `count` values. Values beyond 65504 become that, NaN becomes 0; returns how many did.
-using HalvesOfFloats = int (*)(const float* values, int count, std::uint16_t* halves);
-
-/// Values of halves by their bits.
-using FloatsOfHalves = void (*)(const std::uint16_t* halves, int count, float* values);
-
 struct ImageKernels {
-  PlaneLengths plane_lengths;
-  AnglePositions angle_positions;
-  PositionTaps position_taps;
-  SampleGrid sample_grid;
-  SamplePatches sample_patches;
-  ReducePairs reduce_pairs;
-  WeighTile weigh_tile;
+  /// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
+  void (*plane_lengths)(const double* u, double v, int count, double* lengths);
+
+  /// places[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in quarter
+  /// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is
+  /// rounded to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds
+  /// nothing; with across and along exchanged it is `quarter` less the product.
+  void (*angle_positions)(const double* across, const double* along, int count, double quarter, double offset,
+                          double* places);
+
+  /// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on
+  /// weigh there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
+  void (*position_taps)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
+
+  /// rgb[3 i + c] = the sum over the 4 x 4 texels around point i of texel times weight of its ring times weight of its
+  /// column. Nothing beyond rgb[3 count - 1] is written.
+  void (*sample_grid)(const GridRun& run, float* rgb);
+
+  /// rgb[rgb_step k + c] = the sum of weight times texel over point k's patch; where all its texels are equal, that
+  /// value itself. Rows are added one after the other (weights of columns are multiplied after that), then groups, then
+  /// the four columns as `sample_grid` does.
+  void (*sample_patches)(const PatchRun& run, float* rgb);
+
+  /// rgb[3 i + c] = (top w + bottom w of texel 2 i) + (the same of texel 2 i + 1), i < count: 2 x 2 texels of two rows
+  /// of packed RGB, weighted each on its own. A texel's weight stands in all three of its channels' places: [6 count].
+  void (*reduce_pairs)(const float* top, const float* bottom, const float* top_weights, const float* bottom_weights,
+                       int count, float* rgb);
+
+  /// weights[down][4 groups] = the integral over the tile of each cell's share, over the tile's area, which is
+  /// returned. By Green's theorem the sum over its sides of (share across up to the side) x (share down along the
+  /// side); each side begins at the height where the one before it ends.
+  double (*weigh_tile)(const TileRun& run, float* weights);
 };
 WELKIN_KERNEL_TABLES(ImageKernels, image_kernels)
 
 /// Apart from the others: a module of WebAssembly that only reads halves then has none of those.
 struct HalfKernels {
-  HalvesOfFloats halves_of_floats;
-  FloatsOfHalves floats_of_halves;
+  /// Bits of the halves nearest to `count` values. Values beyond 65504 become that, NaN becomes 0; returns how many
+  /// did.
+  int (*halves_of_floats)(const float* values, int count, std::uint16_t* halves);
+
+  /// Values of halves by their bits.
+  void (*floats_of_halves)(const std::uint16_t* halves, int count, float* values);
 };
 WELKIN_KERNEL_TABLES(HalfKernels, half_kernels)
 
@@ -143,23 +133,20 @@ struct TexelRun {
   bool midpoint;  ///< solid angle times the value at the centre, instead of the integral
   /// How far below the row's the texels lie, in rows: weights between rows, for what is interpolated in them.
   double row_offset = 0.0;
-  /// For `IntegrateTexels`: the integral along the texels' middles times their height, for what averages over rows
+  /// For `integrate_texels`: the integral along the texels' middles times their height, for what averages over rows
   /// itself.
   bool along_middle = false;
 };
 
-/// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in
-/// double. `place[l(l+1)+m]` is the row of `weights` (row stride `stride` floats) that gets Y(l, m).
-using IntegrateTexels = void (*)(const TexelRun& run, const math::BasisRecurrence& recurrence,
-                                 const math::GaussRule& rule, const int* place, float* weights, int stride);
-
-/// The same for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
-/// 2e-7 + 40 h^4.
-using ExpandTexels = void (*)(const TexelRun& run, const int* place, float* weights, int stride);
-
 struct TexelKernels {
-  IntegrateTexels integrate_texels;
-  ExpandTexels expand_texels;
+  /// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in
+  /// double. `place[l(l+1)+m]` is the row of `weights` (row stride `stride` floats) that gets Y(l, m).
+  void (*integrate_texels)(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
+                           const int* place, float* weights, int stride);
+
+  /// The same for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
+  /// 2e-7 + 40 h^4.
+  void (*expand_texels)(const TexelRun& run, const int* place, float* weights, int stride);
 };
 WELKIN_KERNEL_TABLES(TexelKernels, texel_kernels)
 

@@ -174,12 +174,24 @@ int samples_along_edge(double source_density, double result_density) {
   return std::max(kMinSamples, static_cast<int>(std::ceil(ratio - 1e-9)));
 }
 
-/// Where a result's samples lie: `samples_across` x `samples_down` of them a texel.
+/// Where the samples of a lat-long's or a cubemap's texels lie: `samples_across` x `samples_down` of them a texel.
 class Cells {
  public:
-  Cells(int columns, int rows, int samples_across, int samples_down)
-      : columns_(columns), rows_(rows), across_(samples_across), down_(samples_down) {}
-  virtual ~Cells() = default;
+  // Texels lie widest apart in the middle of a face: size / 2 a radian; or at the equator: width / 2 pi a radian
+  // across, height / pi down.
+  Cells(const image::TexelGrid& grid, double source_density)
+      : lat_long_(grid.kind() == image::TexelGrid::Kind::lat_long),
+        columns_(grid.columns()),
+        rows_(grid.rows()),
+        across_(samples_along_edge(source_density, lat_long_ ? 0.5 * columns_ / std::numbers::pi : 0.5 * columns_)),
+        down_(samples_along_edge(source_density, lat_long_ ? rows_ / std::numbers::pi : 0.5 * columns_)),
+        lines_(1.0 * (lat_long_ ? rows_ : columns_) * down_) {
+    const int columns = lat_long_ ? columns_ * across_ : 0;
+    longitudes_.reserve(static_cast<std::size_t>(columns));
+    for (int column = 0; column < columns; ++column) {
+      longitudes_.push_back(math::sine_cosine_of_turns(0.5 - (column + 0.5) / columns));
+    }
+  }
 
   [[nodiscard]] int columns() const noexcept { return columns_; }
   [[nodiscard]] int rows() const noexcept { return rows_; }
@@ -194,78 +206,39 @@ class Cells {
   /// What a row of samples shares: sample row `sub_row` of texel row `row`.
   struct RowSample {
     int face;
-    double v;       // cube: the place on the face
-    double sine;    // lat-long: of the latitude
-    double cosine;  // lat-long: of the latitude
+    double v;                     // cube: the place on the face
+    math::SineCosine latitude{};  // lat-long
   };
-  [[nodiscard]] virtual RowSample row_place(int row, int sub_row) const noexcept = 0;
-
-  /// Sample column `column`, counted through all texels.
-  [[nodiscard]] virtual Sample sample(const RowSample& place, int column) const noexcept = 0;
-
- private:
-  int columns_;
-  int rows_;
-  int across_;
-  int down_;
-};
-
-class CubeCells final : public Cells {
- public:
-  // Texels lie widest apart in the middle of a face: size / 2 a radian.
-  CubeCells(int size, double source_density)
-      : Cells(size, 6 * size, samples_along_edge(source_density, 0.5 * size),
-              samples_along_edge(source_density, 0.5 * size)),
-        size_(size),
-        lines_(1.0 * size * samples_down()) {}
-
-  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept override {
-    const double line = 1.0 * (row % size_) * samples_down() + sub_row;
-    return {row / size_, (2.0 * line + 1.0) / lines_ - 1.0, 0.0, 0.0};
+  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept {
+    const int face = lat_long_ ? 0 : row / columns_;
+    const double line = 1.0 * (row - face * columns_) * down_ + sub_row;
+    if (lat_long_) return {0, 0.0, math::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_))};
+    return {face, (2.0 * line + 1.0) / lines_ - 1.0};
   }
 
-  // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2).
-  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
+  /// Sample column `column`, counted through all texels.
+  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept {
+    if (lat_long_) {
+      const math::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
+      const auto& [sine, cosine] = place.latitude;
+      return {{longitude.sine * cosine, sine, longitude.cosine * cosine}, cosine};
+    }
     const image::Frame& frame = image::face_frame(place.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
-    // Weights are relative: du dv, alike for all samples, drops out when the sum is divided by that of the weights.
+    // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2). Weights are relative: du dv, alike for all samples,
+    // drops out when the sum is divided by that of the weights.
     const double squared = 1.0 + u * u + place.v * place.v;
     return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
   }
 
  private:
-  int size_;
-  double lines_;
-};
-
-class LatLongCells final : public Cells {
- public:
-  // Texels lie widest apart at the equator: width / 2 pi a radian across, height / pi down.
-  LatLongCells(int width, int height, double source_density)
-      : Cells(width, height, samples_along_edge(source_density, 0.5 * width / std::numbers::pi),
-              samples_along_edge(source_density, height / std::numbers::pi)),
-        lines_(1.0 * height * samples_down()) {
-    const int columns = width * samples_across();
-    longitudes_.reserve(static_cast<std::size_t>(columns));
-    for (int column = 0; column < columns; ++column) {
-      longitudes_.push_back(math::sine_cosine_of_turns(0.5 - (column + 0.5) / columns));
-    }
-  }
-
-  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept override {
-    const double line = 1.0 * row * samples_down() + sub_row;
-    const math::SineCosine latitude = math::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_));
-    return {0, 0.0, latitude.sine, latitude.cosine};
-  }
-
-  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept override {
-    const math::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
-    return {{longitude.sine * place.cosine, place.sine, longitude.cosine * place.cosine}, place.cosine};
-  }
-
- private:
-  double lines_;
-  std::vector<math::SineCosine> longitudes_;
+  bool lat_long_;
+  int columns_;
+  int rows_;
+  int across_;
+  int down_;
+  double lines_;                              // of samples, of a face or all
+  std::vector<math::SineCosine> longitudes_;  // lat-long
 };
 
 LatLongImage empty_lat_long(int width, int height) {
@@ -332,7 +305,7 @@ image::LatLongSampler sampler_of(const LatLongView& source, double spacing) { re
 
 template <typename View>
 Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& rotation, const Control& control) {
-  const CubeCells cells(size, closest_texels(source));
+  const Cells cells(image::TexelGrid::cubemap(size), closest_texels(source));
   const auto sampler = sampler_of(source, 2.0 / (1.0 * size * cells.samples_down()));
   Cubemap result(size, 1, control.memory);
   Resampler(cells, sampler, rotation, control).run(result.face(0));
@@ -342,7 +315,7 @@ Cubemap resampled_cubemap(const View& source, int size, const glm::dmat3& rotati
 template <typename View>
 LatLongImage resampled_lat_long(const View& source, int width, int height, const glm::dmat3& rotation,
                                 const Control& control) {
-  const LatLongCells cells(width, height, closest_texels(source));
+  const Cells cells(image::TexelGrid::lat_long(width, height), closest_texels(source));
   const double turn = 2.0 * std::numbers::pi;
   const auto sampler = sampler_of(source, std::max(turn / (1.0 * width * cells.samples_across()),
                                                    0.5 * turn / (1.0 * height * cells.samples_down())));

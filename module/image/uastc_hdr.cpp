@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "image/bc6h_partitions.h"
 #include "image/block_bits.h"
 #include "image/bounded_integers.h"
 
@@ -330,35 +329,26 @@ UastcEnds uastc_ends_of(const std::uint8_t* bytes) noexcept {
   return shifted_ends(n, mode, brightest);
 }
 
-void pack_uastc_single(const UastcLine& line, const std::array<std::uint8_t, kBlockTexels>& indices,
-                       std::uint8_t* block) noexcept {
-  constexpr std::uint32_t sixteen_steps = 0x242;  // block mode: 4 x 4 indices of 4 bits
+void pack_uastc_lines(std::span<const UastcLine> lines, int partition,
+                      const std::array<std::uint8_t, kBlockTexels>& indices, std::uint8_t* block) noexcept {
+  const bool pair = lines.size() == 2;
+  const std::int16_t seed = pair ? kSeeds[static_cast<std::size_t>(partition)] : std::int16_t{0};
   BlockBits bits;
-  bits.append(sixteen_steps, 11);
-  bits.append(0, 2);  // one partition
-  bits.append(kFormat, 4);
-  std::array<std::uint8_t, 6> numbers{};
-  for (std::size_t k = 0; k < 6; ++k) numbers[k] = kSingleTable.number[line.bytes[k]];
-  put_numbers(bits, numbers, kSingleLevels);
-  put_indices(bits, indices, 4);
-  bits.store(block);
-}
-
-void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
-                     const std::array<std::uint8_t, kBlockTexels>& indices, std::uint8_t* block) noexcept {
-  constexpr std::uint32_t four_steps = 0x42;  // block mode: 4 x 4 indices of 2 bits
-  const std::int16_t seed = kSeeds[static_cast<std::size_t>(partition)];
-  BlockBits bits;
-  bits.append(four_steps, 11);
-  bits.append(1, 2);  // two partitions
-  bits.append(static_cast<std::uint32_t>(std::abs(seed)), 10);
-  bits.append(kFormat << 2, 6);  // the same for both
-  std::array<std::uint8_t, 12> numbers{};
-  for (std::size_t k = 0; k < 12; ++k) {
-    numbers[k] = kPairTable.number[lines[seed < 0 ? 1 - k / 6 : k / 6].bytes[k % 6]];
+  bits.append(pair ? 0x42U : 0x242U, 11);  // block mode: 4 x 4 indices of 2 bits, or of 4
+  bits.append(pair ? 1U : 0U, 2);          // partitions beside the first
+  if (pair) {
+    bits.append(static_cast<std::uint32_t>(std::abs(seed)), 10);
+    bits.append(0, 2);  // both have the same format
   }
-  put_numbers(bits, numbers, kPairLevels);
-  put_indices(bits, indices, 2);
+  bits.append(kFormat, 4);
+  std::array<std::uint8_t, 12> numbers{};
+  const std::size_t count = 6 * lines.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::uint8_t byte = lines[seed < 0 ? 1 - k / 6 : k / 6].bytes[k % 6];
+    numbers[k] = (pair ? kPairTable : kSingleTable).number[byte];
+  }
+  put_numbers(bits, std::span(numbers).first(count), pair ? kPairLevels : kSingleLevels);
+  put_indices(bits, indices, pair ? 2 : 4);
   bits.store(block);
 }
 

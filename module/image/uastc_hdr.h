@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "image/bc6h.h"
 
@@ -43,13 +44,10 @@ struct UastcLine {
 /// Bit k is set for the partitions of BC6H that ASTC has, too: 27 of 32.
 extern const std::uint32_t kUastcPartitions;
 
-/// `indices`: the texels' steps from the low end, row by row.
-void pack_uastc_single(const UastcLine& line, const std::array<std::uint8_t, kBlockTexels>& indices,
-                       std::uint8_t* block) noexcept;
-
-/// `partition`: BC6H's. The second line is for the texels that `bc6h_second_line` names.
-void pack_uastc_pair(const std::array<UastcLine, 2>& lines, int partition,
-                     const std::array<std::uint8_t, kBlockTexels>& indices, std::uint8_t* block) noexcept;
+/// A block of one line or two. `partition`: BC6H's, of two; the second line is for the texels that `bc6h_second_line`
+/// names. `indices`: the texels' steps from the low end, row by row.
+void pack_uastc_lines(std::span<const UastcLine> lines, int partition,
+                      const std::array<std::uint8_t, kBlockTexels>& indices, std::uint8_t* block) noexcept;
 
 /// Equal texels: exactly these halves ("void extent").
 void pack_uastc_flat(const std::array<std::uint16_t, 3>& halves, std::uint8_t* block) noexcept;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "image/bc6h.h"
 #include "image/bc6h_kernels.h"
@@ -27,26 +28,15 @@ class Lines {
   /// Fits the lines, the first time along the texels' spread and then to the indices found before.
   void turn(const BlockGroup& group) {
     const UastcHdrKernels& kernels = uastc_hdr_kernels();
-    const BlockLines* const before = turns_++ == 0 ? nullptr : &meant_;
-    if (partitions_ == nullptr) {
-      kernels.fit_single(group, before, fitted_);
-      store();
-      kernels.index_single(group, meant_, found_);
-    } else {
-      kernels.fit_pairs(group, partitions_, before, fitted_);
-      store();
-      kernels.index_pairs(group, partitions_, meant_, found_);
-    }
+    kernels.fit_lines(group, partitions_, turns_++ == 0 ? nullptr : &meant_, fitted_);
+    store();
+    kernels.index_lines(group, partitions_, meant_, found_);
   }
 
   [[nodiscard]] float error(std::size_t lane) const noexcept { return found_.errors[lane]; }
 
   void pack(std::size_t lane, std::uint8_t* block) const noexcept {
-    if (partitions_ == nullptr) {
-      pack_uastc_single(stored_[0][lane], indices(lane), block);
-    } else {
-      pack_uastc_pair({stored_[0][lane], stored_[1][lane]}, partition(lane), indices(lane), block);
-    }
+    pack_uastc_lines(std::span(stored_[lane]).first(lines()), partition(lane), indices(lane), block);
   }
 
   /// As ASTC's decoder has them, with 16 bits between the ends.
@@ -58,7 +48,7 @@ class Lines {
       const auto index = static_cast<std::size_t>(found_.indices[k][lane]);
       const std::int32_t weight = partitions_ == nullptr ? single[index] : pair[index];
       const bool second = partitions_ != nullptr && (bc6h_second_line(partition(lane)) >> k & 1) != 0;
-      const auto& [low, high] = stored_[second ? 1 : 0][lane].ends;
+      const auto& [low, high] = stored_[lane][second ? 1 : 0].ends;
       for (std::size_t c = 0; c < 3; ++c) {
         result[3 * k + c] = half_of_logarithm((low[c] * 16 * (64 - weight) + high[c] * 16 * weight + 32) >> 6);
       }
@@ -67,7 +57,10 @@ class Lines {
   }
 
  private:
-  [[nodiscard]] int partition(std::size_t lane) const noexcept { return static_cast<int>(partitions_[lane]); }
+  [[nodiscard]] std::size_t lines() const noexcept { return partitions_ == nullptr ? 1 : 2; }
+  [[nodiscard]] int partition(std::size_t lane) const noexcept {
+    return partitions_ == nullptr ? 0 : static_cast<int>(partitions_[lane]);
+  }
 
   [[nodiscard]] std::array<std::uint8_t, kBlockTexels> indices(std::size_t lane) const noexcept {
     std::array<std::uint8_t, kBlockTexels> result{};
@@ -78,11 +71,11 @@ class Lines {
   /// Stores the fitted ends, and what they mean as logarithms.
   void store() noexcept {
     const UastcLines kind = partitions_ == nullptr ? UastcLines::single : UastcLines::pair;
-    for (std::size_t line = 0; line < (partitions_ == nullptr ? 1 : 2); ++line) {
+    for (std::size_t line = 0; line < lines(); ++line) {
       for (std::size_t lane = 0; lane < kLanes; ++lane) {
         std::array<std::array<float, 3>, 2> ends{};
         for (std::size_t k = 0; k < 6; ++k) ends[k / 3][k % 3] = fitted_.ends[line][k / 3][k % 3][lane] / 16.0F;
-        const UastcLine& here = stored_[line][lane] = store_uastc_line(ends, kind);
+        const UastcLine& here = stored_[lane][line] = store_uastc_line(ends, kind);
         for (std::size_t k = 0; k < 6; ++k) {
           meant_.ends[line][k / 3][k % 3][lane] = static_cast<float>(here.ends[k / 3][k % 3] * 16);
         }
@@ -94,7 +87,7 @@ class Lines {
   int turns_ = 0;
   BlockLines fitted_;
   BlockLines meant_;
-  std::array<std::array<UastcLine, kLanes>, 2> stored_;
+  std::array<std::array<UastcLine, 2>, kLanes> stored_;
   BlockIndices found_;
 };
 
@@ -110,45 +103,45 @@ BlockHalves flat_halves(const BlockGroup& group, std::size_t lane) {
 /// The halves that the blocks of an `EncodedBlocks` are decoded to.
 using AllHalves = std::array<BlockHalves, kLanes>;
 
-void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {
-  std::array<std::int32_t, kLanes> flat;
-  uastc_hdr_kernels().take_logarithms(group, flat.data());
-  Lines lines;
+constexpr float kNoBlock = 1.0e30F;  ///< an error that every block is better than
+
+/// Blocks of lines that are fitted so many times take the place of those in `to` that they are better than.
+void improve_by(Lines& lines, int turns, const BlockGroup& group, EncodedBlocks& to, AllHalves* halves) {
   std::array<std::uint8_t, kBlockBytes> block;
-  for (int turn = 0; turn < (effort == Bc6hEffort::fast ? 1 : 2); ++turn) {
+  for (int turn = 0; turn < turns; ++turn) {
     lines.turn(group);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (flat[lane] != 0 || (turn > 0 && !(lines.error(lane) < to.errors[lane]))) continue;
+      if (!(lines.error(lane) < to.errors[lane])) continue;
       lines.pack(lane, block.data());
       set_block(to, lane, block.data(), lines.error(lane));
       if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
     }
   }
+}
+
+void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to, AllHalves* halves) {
+  std::array<std::int32_t, kLanes> flat;
+  uastc_hdr_kernels().take_logarithms(group, flat.data());
+  std::fill_n(to.errors, kLanes, kNoBlock);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     if (flat[lane] == 0) continue;
     const BlockHalves all = flat_halves(group, lane);
+    std::array<std::uint8_t, kBlockBytes> block;
     pack_uastc_flat({all[0], all[1], all[2]}, block.data());
-    set_block(to, lane, block.data(), 0.0F);
+    set_block(to, lane, block.data(), 0.0F);  // which no line is better than
     if (halves != nullptr) (*halves)[lane] = all;
   }
+  Lines lines;
+  improve_by(lines, effort == Bc6hEffort::fast ? 1 : 2, group, to, halves);
 }
 
 /// Blocks that are better than those in `to` take their place.
 void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to, AllHalves* halves) {
   alignas(64) float partitions[kMaxPartitionsTried][kLanes];
   uastc_hdr_kernels().rank_partitions(group, kUastcPartitions, tried, partitions);
-  std::array<std::uint8_t, kBlockBytes> block;
   for (int rank = 0; rank < tried; ++rank) {
     Lines lines(partitions[rank]);
-    for (int turn = 0; turn < 2; ++turn) {
-      lines.turn(group);
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        if (!(lines.error(lane) < to.errors[lane])) continue;
-        lines.pack(lane, block.data());
-        set_block(to, lane, block.data(), lines.error(lane));
-        if (halves != nullptr) (*halves)[lane] = lines.halves(lane);
-      }
-    }
+    improve_by(lines, 2, group, to, halves);
   }
 }
 
@@ -295,7 +288,7 @@ EncodedLevels encode_uastc_hdr_images(std::span<const std::vector<LatLongView>> 
                              encode_single_lines(group, own.effort, to, nullptr);
                            },
                            [](const BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
-                             std::fill_n(to.errors, kLanes, 1.0e30F);
+                             std::fill_n(to.errors, kLanes, kNoBlock);
                              improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
                            },
                            [](const std::vector<LatLongView>& images, const BlockFormat& own,

@@ -55,33 +55,27 @@ struct PairTexels : SideTexels<is_second> {
   [[nodiscard]] WELKIN_INLINE Lanes largest_index(int /*texel*/) const { return Lanes(steps); }
 };
 
-WELKIN_INLINE void load_line(const BlockLines& lines, int line, int lane, Lanes (&low)[3], Lanes (&high)[3]) {
-  for (int c = 0; c < 3; ++c) {
-    low[c] = Lanes::load_aligned(lines.ends[line][0][c] + lane);
-    high[c] = Lanes::load_aligned(lines.ends[line][1][c] + lane);
-  }
-}
-
+/// A register of stored lines, and what gives texels their indices along them.
 template <class Texels>
-WELKIN_INLINE Projection along_stored(const BlockLines& stored, int line, int lane) {
-  Lanes low[3];
-  Lanes high[3];
-  load_line(stored, line, lane, low, high);
-  return between<Texels>(low, high);
-}
+struct StoredEnds {
+  Lanes low[3], high[3];
+  Projection projection;
+
+  WELKIN_INLINE StoredEnds(const BlockLines& stored, int line, int lane) {
+    for (int c = 0; c < 3; ++c) {
+      low[c] = Lanes::load_aligned(stored.ends[line][0][c] + lane);
+      high[c] = Lanes::load_aligned(stored.ends[line][1][c] + lane);
+    }
+    projection = between<Texels>(low, high);
+  }
+};
 
 template <class Texels>
 WELKIN_INLINE void fit(const BlockLanes& block, const Texels& texels, const BlockLines* stored, int line, int lane,
                        BlockLines& fitted) {
   const Centre centre = centre_of(block, texels);
-  Projection projection;
-  if (stored == nullptr) {
-    Lanes axis[3];
-    principal_axis(block, texels, centre, axis);
-    projection = along_axis(block, texels, axis);
-  } else {
-    projection = along_stored<Texels>(*stored, line, lane);
-  }
+  const Projection projection =
+      stored == nullptr ? along_spread(block, texels, centre) : StoredEnds<Texels>(*stored, line, lane).projection;
   const FittedLine found = least_squares(block, texels, centre, projection, Lanes(kLargestLogarithm), false);
   for (int c = 0; c < 3; ++c) {
     found.low[c].store_aligned(fitted.ends[line][0][c] + lane);
@@ -93,15 +87,13 @@ WELKIN_INLINE BlockLanes lanes_of(const BlockGroup& group, int lane) {
   return {group.values[0] + lane, group.weights[0] + lane};
 }
 
-void fit_single(const BlockGroup& group, const BlockLines* stored, BlockLines& fitted) {
-  for (int lane = 0; lane < kLanes; lane += kWidth) {
-    fit(lanes_of(group, lane), SingleTexels(), stored, 0, lane, fitted);
-  }
-}
-
-void fit_pairs(const BlockGroup& group, const float* partitions, const BlockLines* stored, BlockLines& fitted) {
+void fit_lines(const BlockGroup& group, const float* partitions, const BlockLines* stored, BlockLines& fitted) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     const BlockLanes block = lanes_of(group, lane);
+    if (partitions == nullptr) {
+      fit(block, SingleTexels(), stored, 0, lane, fitted);
+      continue;
+    }
     const Sides sides(Lanes::load_aligned(partitions + lane));
     fit(block, PairTexels<false>{{sides}}, stored, 0, lane, fitted);
     fit(block, PairTexels<true>{{sides}}, stored, 1, lane, fitted);
@@ -127,46 +119,35 @@ WELKIN_INLINE Lanes square_of(const BlockLanes& block, int texel, const Lanes (&
   return square * xsimd::min(block.weight(texel), Lanes(1.0F)) * Lanes(0.25F);
 }
 
-void index_single(const BlockGroup& group, const BlockLines& stored, BlockIndices& to) {
+void index_lines(const BlockGroup& group, const float* partitions, const BlockLines& stored, BlockIndices& to) {
   for (int lane = 0; lane < kLanes; lane += kWidth) {
     const BlockLanes block = lanes_of(group, lane);
-    Lanes low[3];
-    Lanes high[3];
-    load_line(stored, 0, lane, low, high);
-    const Projection projection = between<SingleTexels>(low, high);
     Lanes error(0.0F);
-    for (int k = 0; k < kTexels; ++k) {
-      const Lanes index = index_at(block, SingleTexels(), projection, k);
-      xsimd::to_int(index).store_aligned(to.indices[k] + lane);
-      error = error + square_of(block, k, low, high, SingleTexels::weight_of(index));
-    }
-    error.store_aligned(to.errors + lane);
-  }
-}
-
-void index_pairs(const BlockGroup& group, const float* partitions, const BlockLines& stored, BlockIndices& to) {
-  for (int lane = 0; lane < kLanes; lane += kWidth) {
-    const BlockLanes block = lanes_of(group, lane);
-    const Sides sides(Lanes::load_aligned(partitions + lane));
-    const PairTexels<false> first{{sides}};
-    Lanes low[2][3];
-    Lanes high[2][3];
-    for (int line = 0; line < 2; ++line) load_line(stored, line, lane, low[line], high[line]);
-    const Projection projections[2] = {between<PairTexels<false>>(low[0], high[0]),
-                                       between<PairTexels<false>>(low[1], high[1])};
-    Lanes error(0.0F);
-    for (int k = 0; k < kTexels; ++k) {
-      const Mask is_second = sides.is_second(k);
-      const Lanes index =
-          select(is_second, index_at(block, first, projections[1], k), index_at(block, first, projections[0], k));
-      xsimd::to_int(index).store_aligned(to.indices[k] + lane);
-      Lanes low_here[3];
-      Lanes high_here[3];
-      for (int c = 0; c < 3; ++c) {
-        low_here[c] = select(is_second, low[1][c], low[0][c]);
-        high_here[c] = select(is_second, high[1][c], high[0][c]);
+    if (partitions == nullptr) {
+      const StoredEnds<SingleTexels> line(stored, 0, lane);
+      for (int k = 0; k < kTexels; ++k) {
+        const Lanes index = index_at(block, SingleTexels(), line.projection, k);
+        xsimd::to_int(index).store_aligned(to.indices[k] + lane);
+        error = error + square_of(block, k, line.low, line.high, SingleTexels::weight_of(index));
       }
-      error = error + square_of(block, k, low_here, high_here, PairTexels<false>::weight_of(index));
+    } else {
+      using Texels = PairTexels<false>;  // no index has a bit less, so that those of both sides are limited alike
+      const Sides sides(Lanes::load_aligned(partitions + lane));
+      const StoredEnds<Texels> first(stored, 0, lane);
+      const StoredEnds<Texels> second(stored, 1, lane);
+      for (int k = 0; k < kTexels; ++k) {
+        const Mask is_second = sides.is_second(k);
+        const Lanes index = select(is_second, index_at(block, Texels{{sides}}, second.projection, k),
+                                   index_at(block, Texels{{sides}}, first.projection, k));
+        xsimd::to_int(index).store_aligned(to.indices[k] + lane);
+        Lanes low[3];
+        Lanes high[3];
+        for (int c = 0; c < 3; ++c) {
+          low[c] = select(is_second, second.low[c], first.low[c]);
+          high[c] = select(is_second, second.high[c], first.high[c]);
+        }
+        error = error + square_of(block, k, low, high, Texels::weight_of(index));
+      }
     }
     error.store_aligned(to.errors + lane);
   }
@@ -184,11 +165,9 @@ void rank_partitions_of(const BlockGroup& group, std::uint32_t allowed, int slot
 
 const UastcHdrKernels uastc_hdr_kernels_table = {
     .take_logarithms = take_logarithms,
-    .fit_single = fit_single,
-    .index_single = index_single,
     .rank_partitions = rank_partitions_of,
-    .fit_pairs = fit_pairs,
-    .index_pairs = index_pairs,
+    .fit_lines = fit_lines,
+    .index_lines = index_lines,
 };
 
 }  // namespace welkin::image::WELKIN_ISA

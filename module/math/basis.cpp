@@ -30,6 +30,14 @@ BasisRecurrence make_recurrence() noexcept {
 
 }  // namespace
 
+double sum_of_degrees(const std::vector<double>& factors, double x) noexcept {
+  double sum = 0.0;
+  for_each_legendre(x, factors.size(), [&](std::size_t l, double legendre) {
+    sum += (2.0 * static_cast<double>(l) + 1.0) * factors[l] * legendre;
+  });
+  return sum / (4.0 * std::numbers::pi);
+}
+
 const BasisRecurrence& basis_constants() noexcept {
   static const BasisRecurrence recurrence = make_recurrence();
   return recurrence;

@@ -23,6 +23,9 @@
 // Geodesy 76, 2002, equations 11 to 13 (the normalized recurrence).
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "platform/compiler.h"
 
 namespace welkin::math {
@@ -60,6 +63,24 @@ WELKIN_INLINE void for_each_basis_value(const BasisRecurrence& recurrence, Numbe
     cosine = next_cosine;
   }
 }
+
+/// Calls `use(l, P_l(x))` for l < count. (l + 1) P_(l+1) = (2 l + 1) x P_l - l P_(l-1), from P_0 = 1: stable for
+/// |x| <= 1.
+template <class Use>
+void for_each_legendre(double x, std::size_t count, const Use& use) {
+  double before = 0.0;
+  double legendre = 1.0;
+  for (std::size_t l = 0; l < count; ++l) {
+    use(l, legendre);
+    const auto degree = static_cast<double>(l);
+    const double next = ((2.0 * degree + 1.0) * x * legendre - degree * before) / (degree + 1.0);
+    before = legendre;
+    legendre = next;
+  }
+}
+
+/// The zonal function whose coefficients by degree are `factors`: the sum of (2 l + 1) / (4 pi) factors[l] P_l(x).
+[[nodiscard]] double sum_of_degrees(const std::vector<double>& factors, double x) noexcept;
 
 /// For all bands; built once.
 [[nodiscard]] const BasisRecurrence& basis_constants() noexcept;

@@ -2,7 +2,7 @@
 //
 // A tile is a few chunks of the face's top left quadrant, taken over all faces: what a position there weighs is looked
 // up or computed once and used for up to 24 texels. Per chunk and face: rows are folded into symmetry classes
-// (FoldQuadrants), and the planes of sums and differences multiplied with the weights (WeightedSums).
+// (FoldQuadrants), and the planes of sums and differences multiplied with the weights (`weighted_sums`).
 //
 // Finite pixels pay nothing for the policies: a NaN or an infinity anywhere makes a tile's sums of that face
 // non-finite, and only then (or when an option wants every texel looked at) are its texels decoded, sanitized and

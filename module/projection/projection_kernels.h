@@ -20,9 +20,6 @@ inline constexpr int kChunk = 256;
 /// Lanes over which sums are spread in double.
 inline constexpr int kSumLanes = 8;
 
-/// sums[i] = the sum of lanes[i][kSumLanes], i < count, always in the same order: halves of 4, of 2, of 1.
-using FoldSumLanes = void (*)(const double* lanes, int count, double* sums);
-
 /// Symmetry classes of positions mirrored in u and in v.
 /// A cubemap uses all four (even/even, odd/even, even/odd, odd/odd in u/v); a lat-long the first two.
 inline constexpr int kMaximumClasses = 4;
@@ -109,15 +106,6 @@ using FoldQuadrants = void (*)(const QuadrantRuns& runs, const FetchAhead& ahead
 /// Each group asks for one more line of each of the stretches ahead.
 using FoldHalves = void (*)(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
 
-/// For each channel and each weight w of class c, with lane k of 16 groups adding up its products in float:
-///   sums[channel][w][k] += lane k + lane k + 8, k < 8: that sum in float, its addition in double.
-///   planes: [3][class_count][kChunk]    weights: [total][kChunk]    sums: [3][total][kSumLanes]
-/// Sums stay spread over eight lanes so that a chunk costs few instructions to add; FoldSumLanes ends it.
-///
-/// Meanwhile asks for the lines ahead that FoldQuadrants has left, after `groups` of each stretch.
-using WeightedSums = void (*)(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
-                              int groups, const FetchAhead& ahead, double* sums);
-
 /// Points of a line in space: `start` + u[k] `step`, k < count, none of them 0.
 struct DirectionRun {
   double start[3];
@@ -125,11 +113,6 @@ struct DirectionRun {
   const double* u;
   int count;
 };
-
-/// rgb[3 k + c] = the sum of coefficients[bands^2 c + l (l + 1) + m] Y(l, m) over l < bands at each point's direction,
-/// in double, rounded once.
-using EvaluateHarmonics = void (*)(const DirectionRun& run, const math::BasisRecurrence& recurrence,
-                                   const double* coefficients, int bands, float* rgb);
 
 /// True if any of `count` values lies outside [low, high] or is NaN.
 using AnyOutside = bool (*)(const float* values, int count, float low, float high);
@@ -141,16 +124,28 @@ struct RowMeasure {
   float largest;
   bool finite;
 };
-using MeasureRow = RowMeasure (*)(const float* values, int count);
-
 struct ProjectionKernels {
   FoldQuadrants fold_quadrants[fold_format_count];
   FoldHalves fold_halves[fold_format_count];
-  WeightedSums weighted_sums;
-  FoldSumLanes fold_sum_lanes;
-  EvaluateHarmonics evaluate_harmonics;
+
+  /// For each channel and each weight w of class c, with lane k of 16 groups adding up its products in float:
+  ///   sums[channel][w][k] += lane k + lane k + 8, k < 8: that sum in float, its addition in double.
+  ///   planes: [3][class_count][kChunk]    weights: [total][kChunk]    sums: [3][total][kSumLanes]
+  /// Sums stay spread over eight lanes so that a chunk costs few instructions to add; `fold_sum_lanes` ends it.
+  ///
+  /// Meanwhile asks for the lines ahead that FoldQuadrants has left, after `groups` of each stretch.
+  void (*weighted_sums)(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
+                        int groups, const FetchAhead& ahead, double* sums);
+
+  /// sums[i] = the sum of lanes[i][kSumLanes], i < count, always in the same order: halves of 4, of 2, of 1.
+  void (*fold_sum_lanes)(const double* lanes, int count, double* sums);
+
+  /// rgb[3 k + c] = the sum of coefficients[bands^2 c + l (l + 1) + m] Y(l, m) over l < bands at each point's
+  /// direction, in double, rounded once.
+  void (*evaluate_harmonics)(const DirectionRun& run, const math::BasisRecurrence& recurrence,
+                             const double* coefficients, int bands, float* rgb);
   AnyOutside any_outside;
-  MeasureRow measure_row;
+  RowMeasure (*measure_row)(const float* values, int count);
 };
 WELKIN_KERNEL_TABLES(ProjectionKernels, projection_kernels)
 

@@ -65,12 +65,12 @@ struct StripPieces {
 
 /// Of pieces of `texels` columns (a multiple of 16), the right ones taken from right to left:
 ///   sums[channel][9][kSumLanes] += the sum over moments and columns of weight times moment,
-/// classes and their order as in FoldQuadrants and WeightedSums: 16 lanes for the columns in float, over all moments
+/// classes and their order as in FoldQuadrants and `weighted_sums`: 16 lanes for the columns in float, over all moments
 /// and groups of 16 columns, then lanes k + k + 8, then the addition in double.
 /// weights: [group][moments][9][48], each column's weight once for each channel. scratch: `strip_scratch` floats.
 using SumStrips = void (*)(const StripPieces& pieces, int texels, const float* weights, float* scratch, double* sums);
 
-/// The moments' classes, for any number of functions to be weighed by `WeightedSums`:
+/// The moments' classes, for any number of functions to be weighed by `weighted_sums`:
 ///   planes[moment][channel][class][kChunk], from pieces of `texels` columns (a multiple of 16, at most kChunk).
 using FoldStrips = void (*)(const StripPieces& pieces, int texels, float* scratch, float* planes);
 
@@ -85,14 +85,6 @@ struct MomentsFromRows {
   float odd[3][3];
 };
 
-/// rows: [moments][9][row_stride], 16 `groups` columns. weights: as `SumStrips` reads them.
-using WeighMoments = void (*)(const MomentsFromRows& matrix, const float* rows, int row_stride, int groups,
-                              float* weights);
-
-/// rows: [moments][functions][row_stride]. weights: [moments][functions][kChunk].
-using WeighPlanes = void (*)(const MomentsFromRows& matrix, const float* rows, int row_stride, int functions,
-                             int groups, float* weights);
-
 /// Both ways from a format's pixels on.
 struct StripFunctions {
   SumStrips sum = nullptr;
@@ -104,8 +96,13 @@ struct StripKernels {
     StripFunctions of[kMaxMoments - kMinMoments + 1];
   };
   ByMoments strips[fold_format_count];  ///< null for formats that `fold_format` never gives
-  WeighMoments weigh_moments;
-  WeighPlanes weigh_planes;
+
+  /// rows: [moments][9][row_stride], 16 `groups` columns. weights: as `SumStrips` reads them.
+  void (*weigh_moments)(const MomentsFromRows& matrix, const float* rows, int row_stride, int groups, float* weights);
+
+  /// rows: [moments][functions][row_stride]. weights: [moments][functions][kChunk].
+  void (*weigh_planes)(const MomentsFromRows& matrix, const float* rows, int row_stride, int functions, int groups,
+                       float* weights);
 };
 WELKIN_KERNEL_TABLES(StripKernels, strip_kernels)
 

@@ -24,7 +24,7 @@ class StripWeights {
   StripWeights(int size, int bands, bool midpoint, const int* weight_rows);
 
   [[nodiscard]] int moments() const noexcept { return matrix_.moments; }
-  /// Whether the weights are those of `SumStrips`; else `WeightedSums` reads them, moment by moment.
+  /// Whether the weights are those of `SumStrips`; else `weighted_sums` reads them, moment by moment.
   [[nodiscard]] bool packed() const noexcept { return bands_ == kStripBands; }
 
   /// How many floats `fill` writes, and how many it needs besides, for a number of columns.

@@ -48,7 +48,7 @@ struct FaceSums : TileSums {
 /// True if no sum is NaN or infinite: then no texel was either, and none overflowed.
 [[nodiscard]] bool all_finite(std::span<const double> sums) noexcept;
 
-/// WeightedSums in double, for the rare chunk of finite texels whose float sums overflow.
+/// `weighted_sums` in double, for the rare chunk of finite texels whose float sums overflow.
 /// planes: [3][class_count][kChunk], of which the first `positions` count.
 void weighted_sums_in_double(const double* planes, int class_count, const float* weights, const ClassCounts& counts,
                              int positions, double* sums) noexcept;

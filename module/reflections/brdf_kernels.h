@@ -5,7 +5,7 @@
 
 namespace welkin::reflections {
 
-/// A product rule for the integrals of `DirectionalAlbedo` and `SheenAlbedo` (reflections/brdf_table.h).
+/// A product rule for the integrals of `directional_albedo` and `sheen_albedo` (reflections/brdf_table.h).
 struct AlbedoRule {
   int azimuths;
   const float* azimuth_cosines;
@@ -20,16 +20,14 @@ inline constexpr float kAlbedoTail = 2.26e-6F;
 /// The sheen integral ends where its density is e^-14 of the largest.
 inline constexpr float kSheenTail = 14.0F;
 
-/// For sixteen cosines against the normal: directional albedo of GGX with Fresnel 1 (`whole`), and the part of it that
-/// Schlick's (1 - v.h)^5 weighs (`fresnel`). 0 < alpha <= 1.
-using DirectionalAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole,
-                                   float* fresnel);
-/// The same of Charlie sheen.
-using SheenAlbedo = void (*)(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo);
-
 struct BrdfKernels {
-  DirectionalAlbedo directional_albedo;
-  SheenAlbedo sheen_albedo;
+  /// For sixteen cosines against the normal: directional albedo of GGX with Fresnel 1 (`whole`), and the part of it
+  /// that Schlick's (1 - v.h)^5 weighs (`fresnel`). 0 < alpha <= 1.
+  void (*directional_albedo)(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole,
+                             float* fresnel);
+
+  /// The same of Charlie sheen.
+  void (*sheen_albedo)(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo);
 };
 WELKIN_KERNEL_TABLES(BrdfKernels, brdf_kernels)
 

@@ -25,20 +25,6 @@ namespace welkin::reflections {
 /// Sum_i weights[i] P_l(1 - distances[i]) for l < bands: what a quadrature of a zonal lobe gives.
 [[nodiscard]] std::vector<double> zonal_moments(std::vector<double> distances, std::vector<double> weights, int bands);
 
-/// Calls `use(l, P_l(x))` for l < count.
-template <class Use>
-void for_each_legendre(double x, std::size_t count, const Use& use) {
-  double before = 0.0;
-  double legendre = 1.0;
-  for (std::size_t l = 0; l < count; ++l) {
-    use(l, legendre);
-    const auto degree = static_cast<double>(l);
-    const double next = ((2.0 * degree + 1.0) * x * legendre - degree * before) / (degree + 1.0);
-    before = legendre;
-    legendre = next;
-  }
-}
-
 /// A kernel by even steps of s = sin(theta / 2), theta the angle to the axis: a line in each cell. The horizon lies
 /// between two of them. A cell is a 512th of the kernel's scale, so a line errs by 5e-7 of the peak, and by
 /// nothing in the mean.

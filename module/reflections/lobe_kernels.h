@@ -56,17 +56,6 @@ struct LobeBlock {
 };
 inline constexpr int kLobeTexels = simd::kLanes;
 
-/// Adds for each texel the sum over the runs' lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2, c
-/// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light. Of cut
-/// lights max(0, c) is its mean over the parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all of
-/// the lobe is in that part. A kernel by its table is integrated over a cut light exactly, as a function of the cosine,
-/// where the horizon meets the light. Elsewhere it is summed at 2 x 2 or 3 x 3 points, or an annular one at three
-/// cosines.
-using SumLobes = void (*)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count,
-                          float* sums);
-using SumCutLobes = void (*)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,
-                             float* sums);
-
 /// A quadrature of a zonal lobe, in blocks of `kMomentLanes` nodes.
 struct MomentRun {
   const double* distances;  ///< 1 - c of each node
@@ -77,16 +66,22 @@ struct MomentRun {
 };
 inline constexpr int kMomentLanes = 8;
 
-/// sums[l][kMomentLanes] += weight P_l(1 - distance) of each lane's nodes, block after block.
-///
-/// By differences, d_l = P_l - P_(l-1): (l + 1) d_(l+1) = l d_l - (2 l + 1) x P_l, x the distance. Near x = 0 the usual
-/// recurrence subtracts numbers close to each other; this one keeps x's own digits.
-using SumMoments = void (*)(const MomentRun& run, double* sums);
-
 struct LobeKernels {
-  SumLobes sum_lobes;
-  SumCutLobes sum_cut_lobes;
-  SumMoments sum_moments;
+  /// Adds for each texel the sum over the runs' lights of colour max(0, c) / (alpha^2 + (1 - c) (1 - alpha^2) / 2)^2, c
+  /// = cosine between texel and light, to sums[3][count]: relative error 2e-6 + 1e-7 / alpha for positive light. Of cut
+  /// lights max(0, c) is its mean over the parallelogram, error 1e-7 + 1e-4 of its size; they are so far off that all
+  /// of the lobe is in that part. A kernel by its table is integrated over a cut light exactly, as a function of the
+  /// cosine, where the horizon meets the light. Elsewhere it is summed at 2 x 2 or 3 x 3 points, or an annular one at
+  /// three cosines.
+  void (*sum_lobes)(const LobeBlock& texels, const LobeLight* lights, const LobeRun* runs, int run_count, float* sums);
+  void (*sum_cut_lobes)(const LobeBlock& texels, const CutLight* lights, const LobeRun* runs, int run_count,
+                        float* sums);
+
+  /// sums[l][kMomentLanes] += weight P_l(1 - distance) of each lane's nodes, block after block.
+  ///
+  /// By differences, d_l = P_l - P_(l-1): (l + 1) d_(l+1) = l d_l - (2 l + 1) x P_l, x the distance. Near x = 0 the
+  /// usual recurrence subtracts numbers close to each other; this one keeps x's own digits.
+  void (*sum_moments)(const MomentRun& run, double* sums);
 };
 WELKIN_KERNEL_TABLES(LobeKernels, lobe_kernels)
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/text.h"
@@ -34,15 +35,6 @@ constexpr double kScaleOfAlpha = 1.93;  ///< of narrow GGX lobes, 1 / (1 + (thet
 double cosine_of(double s) noexcept { return 1.0 - 2.0 * s * s; }
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, what); }
-
-/// Sum (2 l + 1) / (4 pi) k_l P_l(c).
-double sum_of_degrees(const std::vector<double>& factors, double cosine) noexcept {
-  double sum = 0.0;
-  for_each_legendre(cosine, factors.size(), [&](std::size_t l, double legendre) {
-    sum += (2.0 * static_cast<double>(l) + 1.0) * factors[l] * legendre;
-  });
-  return sum / (4.0 * kPi);
-}
 
 /// Legendre's recurrence, P_(j+1) = up[j] x P_j - down[j] P_(j-1).
 template <int order>
@@ -116,7 +108,7 @@ void Lobe::follow(const std::function<double(double)>& value) {
     }
     std::fill_n(panel.coefficients, kOrder, 0.0);
     for (int i = 0; i < kOrder; ++i) {
-      for_each_legendre(rule.nodes[i], kOrder, [&](std::size_t j, double legendre) {
+      math::for_each_legendre(rule.nodes[i], kOrder, [&](std::size_t j, double legendre) {
         panel.coefficients[j] += (static_cast<double>(j) + 0.5) * rule.weights[i] * values[i] * legendre;
       });
     }
@@ -338,7 +330,7 @@ Lobe::Lobe(const std::function<double(double)>& value, std::vector<double> break
 }
 
 Lobe::Lobe(std::vector<double> factors) : factors_(std::move(factors)) {
-  follow([this](double cosine) { return sum_of_degrees(factors_, cosine); });
+  follow([this](double cosine) { return math::sum_of_degrees(factors_, cosine); });
   normalise();
   measure();
 }

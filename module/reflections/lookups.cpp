@@ -9,6 +9,7 @@
 
 #include "image/geometry.h"
 #include "image/pixels.h"
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "math/table_cache.h"
 #include "platform/memory.h"
@@ -169,7 +170,7 @@ glm::dvec3 direction_of(const BrightTexel& light, const ImageShape& shape) {
 /// Adds the energies of two points together for l < bands: by the addition theorem (2 l + 1) / 4 pi times the product
 /// of their light times P_l of the cosine between them.
 void add_pair(double light, double cosine, std::vector<double>& energies) {
-  for_each_legendre(cosine, energies.size(), [&](std::size_t l, double legendre) {
+  math::for_each_legendre(cosine, energies.size(), [&](std::size_t l, double legendre) {
     energies[l] += static_cast<double>(2 * l + 1) / (4.0 * std::numbers::pi) * light * legendre;
   });
 }

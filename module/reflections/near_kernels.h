@@ -96,9 +96,6 @@ template <class Group>
 using WeighRow = void (*)(const SplitLobe& lobe, const Group& group, int row, const RowRange& range,
                           const CornerLine& above, const CornerLine& below, float* weights);
 
-/// Scales each direction's weights of so many texels, [texels][16], to a sum of its own.
-using ScaleWeights = void (*)(float* weights, int texels, const float* sums);
-
 /// Texels of a row that follow each other.
 struct NearRun {
   int row;  ///< of all parts of the source
@@ -127,7 +124,9 @@ struct GroupKernels {
 struct NearKernels {
   GroupKernels<CubeGroup> cube;
   GroupKernels<LatLongGroup> lat_long;
-  ScaleWeights scale;
+
+  /// Scales each direction's weights of so many texels, [texels][16], to a sum of its own.
+  void (*scale)(float* weights, int texels, const float* sums);
   SumRuns sum_runs;
 };
 WELKIN_KERNEL_TABLES(NearKernels, near_kernels)

@@ -34,9 +34,6 @@ struct RingLayout {
   std::ptrdiff_t step[kRingImages];
 };
 
-/// Sums of weight times record, tap after tap.
-using SumRingTaps = void (*)(const RingRun& run, const RingLayout& places);
-
 // A texel of a face gives its light to the four nearest of half as many along each axis, so that the light of all of
 // them as areas has the texel's own moments up to the third.
 //
@@ -56,9 +53,6 @@ inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
 
-/// light[k] = radiance[k] steradians[k].
-using WeighLight = void (*)(const float* radiance, const float* steradians, int count, float* light);
-
 /// Rows of a face's light that give to one row of a face of half as many texels.
 struct HalvedRow {
   static constexpr int kMaxRows = 9;
@@ -73,9 +67,6 @@ struct HalvedRow {
   static constexpr int kBeyond = 32;  ///< that registers may read
 };
 
-/// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
-using HalveRow = void (*)(const HalvedRow& row, float* rgb);
-
 // Weights of a `RingTable`.
 
 /// Cells, of rings or of columns, that share the light of a point; lanes that hold them; powers of the polynomials.
@@ -84,11 +75,6 @@ inline constexpr int kShareLanes = 8;
 inline constexpr int kSharePowers = 13;
 /// Gauss points in a part of a texel's edge.
 inline constexpr int kPartPoints = 2;
-
-/// values[i][k] = the polynomial of cell cells[i] and neighbour k at places[i]. `coefficients`:
-/// [cell][power][neighbour], the highest power first.
-using EvaluateShares = void (*)(const float* coefficients, const int* cells, const float* places, int count,
-                                float* values);
 
 /// A line of texels' edges, each cut into parts with `kPartPoints` points.
 struct RingEdges {
@@ -109,9 +95,6 @@ struct ColumnShares {
   int count;                  ///< parts
   bool falling;               ///< longitudes fall from a part's first end to its second one
 };
-
-/// The points' shares times widths, moved to a part's columns and made to add up to what the ends say.
-using ShareColumns = void (*)(const ColumnShares& shares, int* columns, float* across);
 
 /// Rings and columns that a texel's light reaches; a ring below 0 lies beyond the pole.
 struct RingWindow {
@@ -185,17 +168,26 @@ struct RingBand {
   RingTap* taps;
 };
 
-/// Finds a texel's weights and writes them. `block`: zeros, rings x (columns + `kShareLanes`) of the
-/// window, and as many again as there are lanes; left so.
-using WeighTexel = void (*)(const WeighedTexel& texel, const RingBand& band, float* block);
-
 struct RingKernels {
-  SumRingTaps sum_ring_taps;
-  WeighLight weigh_light;
-  HalveRow halve_row;
-  EvaluateShares evaluate_shares;
-  ShareColumns share_columns;
-  WeighTexel weigh_texel;
+  /// Sums of weight times record, tap after tap.
+  void (*sum_ring_taps)(const RingRun& run, const RingLayout& places);
+
+  /// light[k] = radiance[k] steradians[k].
+  void (*weigh_light)(const float* radiance, const float* steradians, int count, float* light);
+
+  /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
+  void (*halve_row)(const HalvedRow& row, float* rgb);
+
+  /// values[i][k] = the polynomial of cell cells[i] and neighbour k at places[i]. `coefficients`:
+  /// [cell][power][neighbour], the highest power first.
+  void (*evaluate_shares)(const float* coefficients, const int* cells, const float* places, int count, float* values);
+
+  /// The points' shares times widths, moved to a part's columns and made to add up to what the ends say.
+  void (*share_columns)(const ColumnShares& shares, int* columns, float* across);
+
+  /// Finds a texel's weights and writes them. `block`: zeros, rings x (columns + `kShareLanes`) of the
+  /// window, and as many again as there are lanes; left so.
+  void (*weigh_texel)(const WeighedTexel& texel, const RingBand& band, float* block);
 };
 WELKIN_KERNEL_TABLES(RingKernels, ring_kernels)
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 
+#include "math/basis.h"
 #include "math/elementary.h"
 
 namespace welkin::sky {
@@ -155,6 +155,12 @@ double AirModel::scattering(std::size_t constituent, std::size_t wavelength) con
 
 double AirModel::extinction(std::size_t constituent, std::size_t wavelength) const noexcept {
   return scattering(constituent, wavelength) + value_at(matter_[constituent]->absorption_per_m, wavelength);
+}
+
+PerConstituent AirModel::extinctions(std::size_t wavelength) const noexcept {
+  PerConstituent all{};
+  for (std::size_t i = 0; i < matter_.size(); ++i) all[i] = extinction(i, wavelength);
+  return all;
 }
 
 double AirModel::albedo(std::size_t wavelength) const noexcept {
@@ -329,21 +335,6 @@ std::vector<double> forward_shares(const Atmosphere& atmosphere, int orders) {
   return shares;
 }
 
-// (l + 1) P_(l+1) = (2 l + 1) x P_l - l P_(l-1), from P_0 = 1: stable for |x| <= 1.
-double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept {
-  double before = 0.0;
-  double here = 1.0;
-  double sum = 0.0;
-  for (std::size_t l = 0; l < moments.size(); ++l) {
-    const auto degree = static_cast<double>(l);
-    sum += (2.0 * degree + 1.0) * moments[l] * here;
-    const double next = ((2.0 * degree + 1.0) * cosine * here - degree * before) / (degree + 1.0);
-    before = here;
-    here = next;
-  }
-  return sum / (4.0 * std::numbers::pi);
-}
-
 NarrowLobe narrow_lobe(const Atmosphere& atmosphere, int orders) {
   NarrowLobe lobe = NarrowLobe::none;
   if (!scatters(atmosphere.aerosol)) return lobe;
@@ -356,7 +347,7 @@ NarrowLobe narrow_lobe(const Atmosphere& atmosphere, int orders) {
 }
 
 double phase_of(const std::vector<double>& moments, double cosine) noexcept {
-  return std::max(0.0, sum_of_bands(moments, cosine));
+  return std::max(0.0, math::sum_of_degrees(moments, cosine));
 }
 
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {

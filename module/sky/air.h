@@ -54,6 +54,8 @@ class AirModel {
 
   /// Scattering and absorption of a constituent at a wavelength, 1/m where its density is 1.
   [[nodiscard]] double extinction(std::size_t constituent, std::size_t wavelength) const noexcept;
+  /// Returns that of all constituents.
+  [[nodiscard]] PerConstituent extinctions(std::size_t wavelength) const noexcept;
   [[nodiscard]] double scattering(std::size_t constituent, std::size_t wavelength) const noexcept;
   [[nodiscard]] double albedo(std::size_t wavelength) const noexcept;
 
@@ -172,9 +174,7 @@ enum class NarrowLobe { none, backward, forward };
   return values[0] == values[1] && values[0] == values[2];
 }
 
-/// The sum of these moments; it may swing below 0 where bands are left out.
-[[nodiscard]] double sum_of_bands(const std::vector<double>& moments, double cosine) noexcept;
-/// A phase function of these moments, not below 0.
+/// A phase function of these moments (`math::sum_of_degrees`), not below 0, as it may swing where bands are left out.
 [[nodiscard]] double phase_of(const std::vector<double>& moments, double cosine) noexcept;
 
 // The aerosol's phase function as quadratures need it.

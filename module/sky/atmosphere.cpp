@@ -24,7 +24,6 @@ constexpr double kLargestAsymmetry = 0.999;  // narrower lobes cannot be told fr
 constexpr std::size_t kMaxLayers = 8;
 constexpr std::size_t kMaxAbsorbers = 4;
 constexpr std::size_t kMinWavelengths = 3;
-constexpr std::size_t kMaxWavelengths = 96;
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::invalid_argument, message); }
 

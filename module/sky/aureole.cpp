@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "sky/air.h"
 #include "sky/ray_nodes.h"
@@ -75,15 +76,9 @@ std::vector<double> over_phase(const Atmosphere& atmosphere, double g, double fo
     const double t = static_cast<double>(angle) / (kAureoleAngles - 1);
     const double cosine = 1.0 - 2.0 * t * t * t * t;
     std::array<double, kDepths> sums{};
-    double before = 0.0;
-    double here = 1.0;  // P_l(cosine)
-    for (std::size_t l = 0; l < chi.size(); ++l) {
-      for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * here;
-      const auto degree = static_cast<double>(l);
-      const double next = ((2.0 * degree + 1.0) * cosine * here - degree * before) / (degree + 1.0);
-      before = here;
-      here = next;
-    }
+    math::for_each_legendre(cosine, chi.size(), [&](std::size_t l, double legendre) {
+      for (std::size_t d = 0; d < kDepths; ++d) sums[d] += moments[l * kDepths + d] * legendre;
+    });
     const double phase = aerosol_phase(atmosphere.aerosol_phase, g, cosine);
     for (const double sum : sums) table.push_back(sum / phase);
   }
@@ -137,19 +132,12 @@ std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double fo
 }
 
 /// A place among the depths.
-struct NodeFraction {
-  std::size_t node;
-  double part;
-};
-
-NodeFraction place_of(double depth) {
+Between place_of(double depth) {
   const double x = std::max(0.0, depth);
-  const double position = std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0);
-  const std::size_t node = std::min(static_cast<std::size_t>(position), kDepths - 2);
-  return {node, position - static_cast<double>(node)};
+  return between(std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0), static_cast<int>(kDepths));
 }
 
-double value_at(const std::vector<double>& table, std::size_t angle, const NodeFraction& point) {
+double value_at(const std::vector<double>& table, std::size_t angle, const Between& point) {
   if (table.empty()) return 1.0;
   const double factor = table[angle * kDepths + point.node];
   return factor + point.part * (table[angle * kDepths + point.node + 1] - factor);
@@ -187,7 +175,7 @@ bool Aureole::glows() const noexcept {
 
 void Aureole::factors(const std::array<double, 3>& depths, float* values) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
-    const NodeFraction point = place_of(depths[c]);
+    const Between point = place_of(depths[c]);
     const std::vector<double>& table = lobe(c).seen();
     for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) {
       values[4 * angle + c] = static_cast<float>(value_at(table, angle, point));
@@ -198,12 +186,12 @@ void Aureole::factors(const std::array<double, 3>& depths, float* values) const 
 
 Aureole::Factors Aureole::factors(std::size_t channel, double cosine, double depth) const noexcept {
   const Lobe& lobe = this->lobe(channel);
-  const NodeFraction point = place_of(depth);
-  const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0))) * (kAureoleAngles - 1);
-  const std::size_t node = std::min(static_cast<std::size_t>(position), std::size_t{kAureoleAngles - 2});
+  const Between point = place_of(depth);
+  const double root = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
+  const Between angle = between(root * (kAureoleAngles - 1), kAureoleAngles);
   const auto at = [&](const std::vector<double>& table) {
-    const double low = value_at(table, node, point);
-    return low + (position - static_cast<double>(node)) * (value_at(table, node + 1, point) - low);
+    const double low = value_at(table, angle.node, point);
+    return low + angle.part * (value_at(table, angle.node + 1, point) - low);
   };
   return {at(lobe.once), at(lobe.glow)};
 }

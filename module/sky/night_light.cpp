@@ -61,13 +61,8 @@ std::vector<glm::dvec3> zenith_channels(const SkyTables& tables) {
     luminance += spectrum(wavelengths[i]) * (0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z);
   }
   const double scale = tables.atmosphere.night_zenith_luminance / luminance;
-  std::vector<glm::dvec3> channels;
-  for (std::size_t i = 0; i < wavelengths.size(); ++i) {
-    glm::dvec3 own(0.0);
-    if (tables.options.colour == SkyColour::spectral) own[static_cast<glm::length_t>(i)] = 1.0;
-    channels.push_back(scale * spectrum(wavelengths[i]) *
-                       (tables.options.colour == SkyColour::spectral ? own : folded[i]));
-  }
+  std::vector<glm::dvec3> channels = channel_weights(tables.atmosphere, tables.options.colour);
+  for (std::size_t i = 0; i < wavelengths.size(); ++i) channels[i] *= scale * spectrum(wavelengths[i]);
   return channels;
 }
 
@@ -78,9 +73,7 @@ std::vector<double> depths_above(const Atmosphere& atmosphere, double altitude) 
   const PerConstituent lengths = lengths_along(air, {altitude, 1.0, false, air.thickness() - altitude}, panels);
   std::vector<double> depths;
   for (std::size_t i = 0; i < atmosphere.wavelengths_nm.size(); ++i) {
-    double depth = 0.0;
-    for (std::size_t k = 0; k < air.constituents(); ++k) depth += air.extinction(k, i) * lengths[k];
-    depths.push_back(depth);
+    depths.push_back(optical_depth(air.extinctions(i), lengths));
   }
   return depths;
 }
@@ -116,13 +109,11 @@ NightLight::NightLight(const SkyTables& tables, double altitude_m) {
 
 glm::dvec3 NightLight::radiance(double zenith_cosine) const noexcept {
   if (nodes_.empty()) return glm::dvec3(0.0);
-  const double position = std::clamp((zenith_cosine - lowest_) / (1.0 - lowest_), 0.0, 1.0) * (kNightNodes - 1);
-  const int node = std::min(static_cast<int>(position), kNightNodes - 2);
-  const float* const low = nodes_.data() + std::ptrdiff_t{4} * node;
+  const Between place = between((zenith_cosine - lowest_) / (1.0 - lowest_) * (kNightNodes - 1), kNightNodes);
+  const float* const low = nodes_.data() + 4 * place.node;
   glm::dvec3 rgb;
   for (int c = 0; c < 3; ++c) {
-    rgb[c] = static_cast<double>(low[c]) +
-             (position - node) * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
+    rgb[c] = static_cast<double>(low[c]) + place.part * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
   }
   return rgb;
 }

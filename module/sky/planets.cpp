@@ -123,12 +123,8 @@ Atmosphere earth_without_scattering(const std::vector<double>& wavelengths_nm) {
 // Kim et al. 2011 ("Dust optical properties over North Africa and Arabian Peninsula derived from the AERONET dataset"),
 // depth from which on Drame et al. 2015 call a day dusty.
 const char* name(AerosolKind kind) noexcept {
-  switch (kind) {
-    case AerosolKind::hazy: return "hazy";
-    case AerosolKind::dusty: return "dusty";
-    case AerosolKind::polluted: return "polluted";
-    default: return "clear";
-  }
+  constexpr std::array<const char*, 4> kNames{"clear", "hazy", "dusty", "polluted"};
+  return platform::name_in<AerosolKind::polluted>(kNames, kind, "clear");
 }
 
 AerosolModel aerosol_model(AerosolKind kind) {

@@ -32,17 +32,6 @@ double angle_position(double cosine, int nodes) noexcept {
   return 2.0 * math::turns_of(sine, cosine) * (nodes - 1);
 }
 
-struct Between {
-  int node;
-  double fraction;
-};
-
-Between between(double position, int nodes) noexcept {
-  const double inside = std::clamp(position, 0.0, static_cast<double>(nodes - 1));
-  const int node = std::min(static_cast<int>(inside), nodes - 2);
-  return {node, inside - node};
-}
-
 /// What nodes of a ray that follow each other scatter.
 struct ScatteredWeights {
   double distance = 0.0;
@@ -108,9 +97,7 @@ WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::sp
   const std::size_t last = air.atmosphere().wavelengths_nm.size() - 1;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t wavelength = std::min(last, 3 * group + c);
-    for (std::size_t i = 0; i < air.constituents(); ++i) {
-      wavelengths.extinctions[c][i] = air.extinction(i, wavelength);
-    }
+    wavelengths.extinctions[c] = air.extinctions(wavelength);
     wavelengths.rayleigh[c] = air.scattering(kRayleigh, wavelength);
     wavelengths.aerosol_once[c] = air.scattering(kAerosol, wavelength);
     // Delta-M (Wiscombe 1977): with P = f 2 delta(1 - cos) + (1 - f) P', the part f of scattering leaves the direction
@@ -154,8 +141,8 @@ Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
 double Glow::at(std::size_t channel, double cosine) const noexcept {
   const std::vector<double>& values = values_[values_.size() > 1 ? channel : 0];
   const Between place = between(angle_position(cosine, kGlowNodes), kGlowNodes);
-  const double low = values[static_cast<std::size_t>(place.node)];
-  return low + place.fraction * (values[static_cast<std::size_t>(place.node) + 1] - low);
+  const double low = values[place.node];
+  return low + place.part * (values[place.node + 1] - low);
 }
 
 void ScatteringSource::set_steps() {
@@ -282,10 +269,10 @@ std::span<const ScatteringPanel> RayLight::panels(const AirModel& air, const Wav
       to.start_ratio = static_cast<float>(radius / here);
       to.distance_ratio = static_cast<float>(sum.distance / here);
       to.view_cosine = static_cast<float>(zenith_cosine);
-      to.height = height.node;
-      to.height_fraction = static_cast<float>(height.fraction);
-      to.zenith = zenith.node;
-      to.zenith_fraction = static_cast<float>(zenith.fraction);
+      to.height = static_cast<std::int32_t>(height.node);
+      to.height_fraction = static_cast<float>(height.part);
+      to.zenith = static_cast<std::int32_t>(zenith.node);
+      to.zenith_fraction = static_cast<float>(zenith.part);
       // what is left of the one that hardly scatters is the other's, so that no light is lost
       for (std::size_t matter = 0; matter < 2; ++matter)
         to.scatters[matter] = sum.shares[matter] > kNegligible * sum.whole;
@@ -372,7 +359,7 @@ RayLight::Scattered RayLight::scattered(const SolverKernels& kernels, std::span<
 }
 
 // [padded][2][4] to [padded][4]: the shares of the nearer and the farther node of suns are added up only here
-// (`AddSource`).
+// (`add_source`).
 void RayLight::fold_pairs(float* sums) const noexcept {
   for (std::size_t i = 0; i < padded_; ++i) {
     for (std::size_t c = 0; c < 4; ++c) sums[4 * i + c] = sums[8 * i + c] + sums[8 * i + 4 + c];

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "jobs/tiles.h"
+#include "math/basis.h"
 #include "math/elementary.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -153,7 +154,7 @@ void SourceSolver::set_rules() {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
       // Of a narrow lobe the swings below 0 are as large as what it scatters back: without them that would be twice.
       const std::vector<double>& moments = spectra_[lobe].aerosol;
-      aerosol_phase_.push_back(source_.glow.any() ? sum_of_bands(moments, cosine) : phase_of(moments, cosine));
+      aerosol_phase_.push_back(source_.glow.any() ? math::sum_of_degrees(moments, cosine) : phase_of(moments, cosine));
     }
     set_lobe_scale(lobe);
   }
@@ -201,10 +202,9 @@ void SourceSolver::set_lobe_scale(std::size_t lobe) {
 double SourceSolver::aerosol_phase(std::size_t lobe, double cosine) const noexcept {
   // 1 - cosine^2 as a product keeps its digits next to the vertical.
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
-  const double position = 2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1);
-  const std::size_t node = std::min(static_cast<std::size_t>(position), index(kPhaseNodes - 2));
+  const auto [node, part] = between(2.0 * math::turns_of(sine, cosine) * (kPhaseNodes - 1), kPhaseNodes);
   const double* const phase = aerosol_phase_.data() + lobe * kPhaseNodes;
-  return phase[node] + (position - static_cast<double>(node)) * (phase[node + 1] - phase[node]);
+  return phase[node] + part * (phase[node + 1] - phase[node]);
 }
 
 std::size_t SourceSolver::radiance_index(std::size_t height, std::size_t zenith, std::size_t channel) const noexcept {

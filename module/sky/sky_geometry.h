@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <span>
@@ -82,7 +83,20 @@ namespace welkin::sky {
   return math::unit_direction(sun, "the sun's direction");
 }
 
-// The cubic through four neighbouring nodes: how tables of a sky are read between them.
+// Between nodes: on the straight line through two neighbours, or on the cubic through four.
+
+/// The node below a place, and the share of the way to the next.
+struct Between {
+  std::size_t node;
+  double part;
+};
+
+/// At a position among `count` nodes, 0 to count - 1; one beyond the ends counts as there.
+[[nodiscard]] inline Between between(double position, int count) noexcept {
+  const double inside = std::clamp(position, 0.0, static_cast<double>(count - 1));
+  const std::size_t node = std::min(static_cast<std::size_t>(inside), static_cast<std::size_t>(count - 2));
+  return {node, inside - static_cast<double>(node)};
+}
 
 struct Cubic {
   int first = 0;

@@ -165,45 +165,15 @@ struct Cell {
   double left, right, top, bottom;
 };
 
-struct CubeFace {
-  int size, face;
-  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
-    return image::face_direction(size, face, column, row);
-  }
-  [[nodiscard]] static bool large(const Cell&) { return false; }  // convex: its corners are what is farthest out
-  // Half the product of the diagonals: the plane quadrilateral through the corners, for cells that are small against
-  // the sphere.
-  [[nodiscard]] static double area(const Cell&, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
-                                   const glm::dvec3& d) {
-    return 0.5 * length(glm::cross(d - a, c - b));
-  }
-};
-
-struct LatLong {
-  int width, height;
-  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
-    return image::lat_long_direction(width, height, column, row);
-  }
-  [[nodiscard]] bool large(const Cell& cell) const {
-    return cell.right - cell.left > kLargestTurns * width || cell.bottom - cell.top > 2.0 * kLargestTurns * height;
-  }
-  // Exact: Int Int cos(latitude) = the difference of longitudes times that of the sines of latitude, y.
-  [[nodiscard]] double area(const Cell& cell, const glm::dvec3& a, const glm::dvec3&, const glm::dvec3& c,
-                            const glm::dvec3&) const {
-    return 2.0 * std::numbers::pi * (cell.right - cell.left) / width * (a.y - c.y);
-  }
-};
-
-/// Cuts an image into cells until each is inside of the disc, outside, or small.
-template <class Image>
+/// Cuts a lat-long, or a face of a cubemap, into cells until each is inside of the disc, outside, or small.
 class Coverage {
  public:
-  Coverage(const VisibleDisc& disc, const Image& image, std::size_t first, int columns,
-           std::vector<CoveredTexel>& found)
+  Coverage(const VisibleDisc& disc, const image::TexelGrid& grid, int face, std::vector<CoveredTexel>& found)
       : disc_(disc),
-        image_(image),
-        first_(first),
-        columns_(columns),
+        lat_long_(grid.kind() == image::TexelGrid::Kind::lat_long),
+        columns_(grid.columns()),
+        rows_(lat_long_ ? grid.rows() : columns_),
+        face_(face),
         found_(found),
         // chord from the centre to the rim: 2 sin(a / 2)
         // 2 sin(a / 2) = sin(a) / cos(a / 2), cos(a / 2) = sqrt((1 + cos a) / 2). Chords are distances in space and
@@ -212,6 +182,9 @@ class Coverage {
         chord_(disc.radius_sine * std::sqrt(2.0 / (1.0 + disc.radius_cosine))),
         horizon_sine_(std::sqrt(std::max(0.0, (1.0 - disc.horizon_cosine) * (1.0 + disc.horizon_cosine)))) {}
 
+  void visit() { visit({0.0, static_cast<double>(columns_), 0.0, static_cast<double>(rows_)}); }
+
+ private:
   /// Whole texels.
   void visit(const Cell& cell) {
     const Bound bound = bound_of(cell);
@@ -220,8 +193,8 @@ class Coverage {
     const double rows = cell.bottom - cell.top;
     if (columns <= 1.0 && rows <= 1.0) {
       const double steradians = covered(cell, bound, 0);
-      const auto texel = first_ + static_cast<std::size_t>(cell.top) * static_cast<std::size_t>(columns_) +
-                         static_cast<std::size_t>(cell.left);
+      const auto row = static_cast<std::size_t>(face_ * rows_) + static_cast<std::size_t>(cell.top);
+      const auto texel = row * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(cell.left);
       if (steradians > 0.0) found_.push_back({texel, steradians});
     } else if (columns > rows) {
       const double middle = std::floor(0.5 * (cell.left + cell.right));
@@ -234,7 +207,17 @@ class Coverage {
     }
   }
 
- private:
+  [[nodiscard]] glm::dvec3 direction(double column, double row) const {
+    return lat_long_ ? image::lat_long_direction(columns_, rows_, column, row)
+                     : image::face_direction(columns_, face_, column, row);
+  }
+
+  /// Cells of a face are not: they are convex, and their corners are what is farthest out.
+  [[nodiscard]] bool large(const Cell& cell) const {
+    return lat_long_ &&
+           (cell.right - cell.left > kLargestTurns * columns_ || cell.bottom - cell.top > 2.0 * kLargestTurns * rows_);
+  }
+
   struct Bound {
     bool outside = false;
     bool inside = false;
@@ -248,11 +231,11 @@ class Coverage {
 
   Bound bound_of(const Cell& cell) const {
     Bound bound;
-    const glm::dvec3 middle = image_.direction(0.5 * (cell.left + cell.right), 0.5 * (cell.top + cell.bottom));
-    const glm::dvec3 a = image_.direction(cell.left, cell.top);
-    const glm::dvec3 b = image_.direction(cell.right, cell.top);
-    const glm::dvec3 c = image_.direction(cell.left, cell.bottom);
-    const glm::dvec3 d = image_.direction(cell.right, cell.bottom);
+    const glm::dvec3 middle = direction(0.5 * (cell.left + cell.right), 0.5 * (cell.top + cell.bottom));
+    const glm::dvec3 a = direction(cell.left, cell.top);
+    const glm::dvec3 b = direction(cell.right, cell.top);
+    const glm::dvec3 c = direction(cell.left, cell.bottom);
+    const glm::dvec3 d = direction(cell.right, cell.bottom);
     constexpr double rounder = 1.1;  // parallels bulge
     bound.radius = rounder * std::max({length(a - middle), length(b - middle), length(c - middle), length(d - middle)});
     bound.within_disc = chord_ - length(middle - disc_.centre);
@@ -266,8 +249,12 @@ class Coverage {
     const glm::dvec3& centre = disc_.centre;
     bound.disc_extent = spread(length(a - centre), length(b - centre), length(c - centre), length(d - centre));
     bound.horizon_extent = spread(a.y, b.y, c.y, d.y) / std::max(horizon_sine_, 1e-3);
-    bound.steradians = image_.area(cell, a, b, c, d);
-    if (image_.large(cell)) return bound;
+    // Exact on a lat-long: Int Int cos(latitude) = the difference of longitudes times that of the sines of latitude, y.
+    // On a face half the product of the diagonals: the plane quadrilateral through the corners, for cells that are
+    // small against the sphere.
+    bound.steradians = lat_long_ ? 2.0 * std::numbers::pi * (cell.right - cell.left) / columns_ * (a.y - c.y)
+                                 : 0.5 * length(glm::cross(d - a, c - b));
+    if (large(cell)) return bound;
     // The horizon's measure is an elevation to first order, and `radius` a chord: a tenth more covers the difference.
     bound.outside = bound.within_disc < -bound.radius || bound.above_horizon < -1.1 * bound.radius;
     bound.inside = bound.within_disc > bound.radius && bound.above_horizon > 1.1 * bound.radius;
@@ -278,7 +265,7 @@ class Coverage {
     if (bound.outside) return 0.0;
     if (bound.inside && cuts > 0) return bound.steradians;
     const bool small = bound.radius < kFinest * chord_ && cuts >= kMinCuts;
-    if (small && !image_.large(cell)) {
+    if (small && !large(cell)) {
       // A straight rim cuts a small cell: of distances from the rim that range over `extent`, evenly about the
       // middle's, the part above 0 is 1/2 + inside / extent.
       const auto share = [](double inside, double extent) {
@@ -299,9 +286,10 @@ class Coverage {
   }
 
   const VisibleDisc& disc_;
-  Image image_;
-  std::size_t first_;
+  bool lat_long_;
   int columns_;
+  int rows_;
+  int face_;
   std::vector<CoveredTexel>& found_;
   double chord_ = 0.0;
   double horizon_sine_ = 0.0;
@@ -343,18 +331,8 @@ std::size_t texel_of(const image::TexelGrid& grid, const glm::dvec3& direction) 
 
 std::vector<CoveredTexel> covered_texels(const VisibleDisc& disc, const image::TexelGrid& grid) {
   std::vector<CoveredTexel> found;
-  const double columns = grid.columns();
-  if (disc.radius_sine > 0.0 && grid.kind() == image::TexelGrid::Kind::lat_long) {
-    Coverage(disc, LatLong{grid.columns(), grid.rows()}, 0, grid.columns(), found)
-        .visit({0.0, columns, 0.0, static_cast<double>(grid.rows())});
-  } else if (disc.radius_sine > 0.0) {
-    const auto face_texels = static_cast<std::size_t>(grid.texels() / 6);
-    for (int face = 0; face < 6; ++face) {
-      Coverage(disc, CubeFace{grid.columns(), face}, static_cast<std::size_t>(face) * face_texels, grid.columns(),
-               found)
-          .visit({0.0, columns, 0.0, columns});
-    }
-  }
+  const int faces = grid.kind() == image::TexelGrid::Kind::lat_long ? 1 : 6;
+  for (int face = 0; disc.radius_sine > 0.0 && face < faces; ++face) Coverage(disc, grid, face, found).visit();
   if (found.empty()) found.push_back({texel_of(grid, highest(disc)), 1.0});
   std::sort(found.begin(), found.end(), [](const CoveredTexel& a, const CoveredTexel& b) { return a.texel < b.texel; });
   return found;

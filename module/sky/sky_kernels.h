@@ -45,10 +45,6 @@ struct SunlitSample {
   bool with_aerosol;              ///< else there is too little of it
 };
 
-/// sums[count][8] += rayleigh times the sunlight that reaches the sample, red, green, blue and 0, and aerosol times it.
-/// slice: scratch, 8 `nodes` floats, nodes a multiple of 4.
-using AddSunlight = void (*)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
-
 /// How a sun's zenith cosine maps to its place among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +
 /// reach), a = (d - shortest) scale, x = path max(1 - a inverse_lowest, 0) / (1 + bend a) + level max(mu - lowest, 0);
 /// H and T of the top that suns' paths go to.
@@ -83,19 +79,6 @@ struct SourceSample {
   float step_weights[2];
 };
 
-/// sums[count][2][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles
-/// and suns, not below 0. Of the two, the share of the nearer node of suns and that of the next one, to be added up at
-/// last. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
-/// `suns.row` and its fractions count only where there are images.
-using AddSource = void (*)(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns,
-                           float* scratch, float* sums);
-
-/// Places of `count` angles, a multiple of 16, among nodes evenly from 0 to 180 degrees, by their cosines: `row` times
-/// the node below, and the fraction towards the next. Within 1e-4 of the step between nodes; 4e-4 radians next to 0 and
-/// 180 degrees, where a float's cosine says no more.
-using PlaceAngles = void (*)(const float* cosines, int count, int angles, int row, std::int32_t* rows,
-                             float* fractions);
-
 /// A ring of directions of one zenith angle, for 16 suns: cosines of whole multiples of the azimuth project it.
 struct SkyRing {
   const float* radiance;  ///< [3][azimuths][16], with the strides below
@@ -108,22 +91,32 @@ struct SkyRing {
   int orders;  ///< m below that, at most the bands: as many as the azimuths tell apart
 };
 
-/// harmonics[pairs][3][16] += the ring's share.
-using ProjectSkyRing = void (*)(const SkyRing& ring, float* harmonics);
-
-/// by_order[m][3][16] = the sum over l < bands, l >= m, of weights[pair] harmonics[pair], m < bands.
-using FoldSkyOrders = void (*)(const float* harmonics, const float* weights, int bands, float* by_order);
-
-/// out[16][4], red, green, blue and 0: the sum over m < bands of by_order[m][c] cos(m phi), not below 0, given cos phi.
-using SumSkyOrders = void (*)(const float* by_order, int bands, const float* azimuth_cosines, float* out);
-
 struct SolverKernels {
-  AddSunlight add_sunlight;
-  AddSource add_source;
-  PlaceAngles place_angles;
-  ProjectSkyRing project_ring;
-  FoldSkyOrders fold_orders;
-  SumSkyOrders sum_orders;
+  /// sums[count][8] += rayleigh times the sunlight that reaches the sample, red, green, blue and 0, and aerosol times
+  /// it. slice: scratch, 8 `nodes` floats, nodes a multiple of 4.
+  void (*add_sunlight)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
+
+  /// sums[count][2][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles
+  /// and suns, not below 0. Of the two, the share of the nearer node of suns and that of the next one, to be added up
+  /// at last. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
+  /// `suns.row` and its fractions count only where there are images.
+  void (*add_source)(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns, float* scratch,
+                     float* sums);
+
+  /// Places of `count` angles, a multiple of 16, among nodes evenly from 0 to 180 degrees, by their cosines: `row`
+  /// times the node below, and the fraction towards the next. Within 1e-4 of the step between nodes; 4e-4 radians next
+  /// to 0 and 180 degrees, where a float's cosine says no more.
+  void (*place_angles)(const float* cosines, int count, int angles, int row, std::int32_t* rows, float* fractions);
+
+  /// harmonics[pairs][3][16] += the ring's share.
+  void (*project_ring)(const SkyRing& ring, float* harmonics);
+
+  /// by_order[m][3][16] = the sum over l < bands, l >= m, of weights[pair] harmonics[pair], m < bands.
+  void (*fold_orders)(const float* harmonics, const float* weights, int bands, float* by_order);
+
+  /// out[16][4], red, green, blue and 0: the sum over m < bands of by_order[m][c] cos(m phi), not below 0, given cos
+  /// phi.
+  void (*sum_orders)(const float* by_order, int bands, const float* azimuth_cosines, float* out);
 };
 WELKIN_KERNEL_TABLES(SolverKernels, solver_kernels)
 
@@ -215,12 +208,6 @@ struct SkyRun {
   int nights;
 };
 
-/// of_sun[2 half][azimuths][kSkyRow] = the rows weighted by the sun's taps.
-using ReduceSky = void (*)(const SkyRun& run, float* of_sun);
-
-/// Radiance from each of `count` directions x y z, which need not be of unit length (the origin counts as up).
-using SkyRadiance = void (*)(const SkyRun& run, const double* directions, int count, float* rgb);
-
 // A sky's light on rings of equal zenith angle, summed over azimuths.
 
 inline constexpr int kSkyRings = 16;
@@ -261,17 +248,18 @@ struct SkyRings {
   float even;        ///< Cornette-Shanks: 1; Henyey-Greenstein: 0
 };
 
-/// Adds to sums[bands][3][kSkyRings]: radiance times each azimuth's factors.
-using AddSkyRings = void (*)(const SkyRings& rings, float* sums);
-
-/// Adds to sums[kSkyRings]: the first lobe's phase function times each azimuth's first factor.
-using AddSkyLobe = void (*)(const SkyRings& rings, float* sums);
-
 struct ViewKernels {
-  ReduceSky reduce;
-  SkyRadiance radiance;
-  AddSkyRings add_rings;
-  AddSkyLobe add_lobe;
+  /// of_sun[2 half][azimuths][kSkyRow] = the rows weighted by the sun's taps.
+  void (*reduce)(const SkyRun& run, float* of_sun);
+
+  /// Radiance from each of `count` directions x y z, which need not be of unit length (the origin counts as up).
+  void (*radiance)(const SkyRun& run, const double* directions, int count, float* rgb);
+
+  /// Adds to sums[bands][3][kSkyRings]: radiance times each azimuth's factors.
+  void (*add_rings)(const SkyRings& rings, float* sums);
+
+  /// Adds to sums[kSkyRings]: the first lobe's phase function times each azimuth's first factor.
+  void (*add_lobe)(const SkyRings& rings, float* sums);
 };
 WELKIN_KERNEL_TABLES(ViewKernels, view_kernels)
 

@@ -12,6 +12,7 @@
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "platform/float_environment.h"
+#include "platform/text.h"
 #include "projection/projection_kernels.h"
 #include "sky/air.h"
 #include "sky/sky_geometry.h"
@@ -504,13 +505,13 @@ namespace {
 
 /// The aureole's factors at a cosine between view and sun.
 glm::dvec3 aureole_at(const float* aureole, double nu) {
-  const double position = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - nu), 0.0, 1.0))) * (kAureoleAngles - 1);
-  const int node = std::min(static_cast<int>(position), kAureoleAngles - 2);
+  const double root = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - nu), 0.0, 1.0)));
+  const Between angle = between(root * (kAureoleAngles - 1), kAureoleAngles);
+  const float* const factors_below = aureole + kSkyColour * angle.node;
   glm::dvec3 factors;
   for (int c = 0; c < 3; ++c) {
-    const auto low = static_cast<double>(aureole[node * kSkyColour + c]);
-    const auto high = static_cast<double>(aureole[(node + 1) * kSkyColour + c]);
-    factors[c] = low + (position - node) * (high - low);
+    const auto low = static_cast<double>(factors_below[c]);
+    factors[c] = low + angle.part * (static_cast<double>(factors_below[kSkyColour + c]) - low);
   }
   return factors;
 }
@@ -551,11 +552,7 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
       }
     }
   }
-  for (double value : lobe) {
-    if (value == 0.0) continue;
-    add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
-    break;
-  }
+  add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }
 
 void check_room(std::size_t room, int bands) {
@@ -570,12 +567,8 @@ void check_room(std::size_t room, int bands) {
 namespace welkin {
 
 const char* name(SkyQuadrature quadrature) noexcept {
-  switch (quadrature) {
-    case SkyQuadrature::uniform: return "uniform";
-    case SkyQuadrature::gauss: return "gauss";
-    case SkyQuadrature::gauss_split: return "gauss-split";
-  }
-  return "unknown";
+  constexpr std::array<const char*, 3> kNames{"uniform", "gauss", "gauss-split"};
+  return platform::name_in<SkyQuadrature::gauss_split>(kNames, quadrature, "unknown");
 }
 
 struct SkyProjector::Prepared {

@@ -111,9 +111,7 @@ void SkySlice::set_brightness() {
 
 std::array<double, 3> SkySlice::aureole_depths(double mu_s) const noexcept {
   if (aureole_depths_.empty()) return {};
-  const double position = mapping_.sun_coordinate(mu_s) * (suns_ - 1);
-  const std::size_t node = std::min(static_cast<std::size_t>(position), aureole_depths_.size() - 2);
-  const double part = position - static_cast<double>(node);
+  const auto [node, part] = between(mapping_.sun_coordinate(mu_s) * (suns_ - 1), suns_);
   std::array<double, 3> depths{};
   for (std::size_t c = 0; c < 3; ++c) {
     const double low = aureole_depths_[node][c];
@@ -151,9 +149,7 @@ glm::dvec3 SkySlice::aerosol_phase(double nu) const noexcept {
 glm::dvec3 SkySlice::ground_radiance(double mu_s) const noexcept {
   const double clamped = std::clamp(mu_s, -1.0, 1.0);
   const double root = clamped < 0.0 ? -std::sqrt(-clamped) : std::sqrt(clamped);
-  const double position = 0.5 * (root + 1.0) * (kGroundNodes - 1);
-  const int node = std::min(static_cast<int>(position), kGroundNodes - 2);
-  const double t = position - node;
+  const auto [node, t] = between(0.5 * (root + 1.0) * (kGroundNodes - 1), kGroundNodes);
   const float* const here = ground_.data() + 4 * node;
   glm::dvec3 rgb;
   for (int c = 0; c < 3; ++c) rgb[c] = (1.0 - t) * static_cast<double>(here[c]) + t * static_cast<double>(here[4 + c]);

@@ -53,17 +53,10 @@ struct Fold {
 // Channel c of the tables is Sum_k weights[c][k] light_k over the wavelengths of all groups. Wavelengths do not mix,
 // and colours are linear in the spectrum: each group of three is solved by itself and added to the colours. In a group
 // that lacks wavelengths the last one is computed again (`wavelength_group`), with weights of 0.
-Fold fold_of(const Atmosphere& atmosphere, const std::vector<glm::dvec3>& weights, std::size_t group) {
+Fold fold_of(const std::vector<glm::dvec3>& weights, std::size_t group) {
   Fold fold{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t wavelength = 3 * group + k;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (weights.empty()) {
-        fold.weights[c][k] = c == k ? 1.0 : 0.0;
-      } else if (wavelength < atmosphere.wavelengths_nm.size()) {
-        fold.weights[c][k] = weights[wavelength][static_cast<glm::length_t>(c)];
-      }
-    }
+  for (std::size_t k = 0; k < 3 && 3 * group + k < weights.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c) fold.weights[c][k] = weights[3 * group + k][static_cast<glm::length_t>(c)];
   }
   return fold;
 }
@@ -76,11 +69,12 @@ class Precomputation {
         air_(atmosphere),
         mapping_(sky::mapping_of(atmosphere, options)),
         control_(control),
-        groups_(options.colour == SkyColour::spectral ? 1 : (atmosphere.wavelengths_nm.size() + 2) / 3),
+        spectral_(options.colour == SkyColour::spectral),
+        weights_(sky::channel_weights(atmosphere, options.colour)),
+        groups_((weights_.size() + 2) / 3),
         source_shape_(sky::source_shape(options, air_, mapping_)),
         colours_(atmosphere, options.colour),
         aureole_(atmosphere, colours_.asymmetries(), options) {
-    if (options.colour == SkyColour::linear_srgb) weights_ = sky::srgb_weights(atmosphere.wavelengths_nm);
     for (std::size_t k = 0; k < index(options.sun_zeniths); ++k) {
       suns_.push_back(mapping_.sun_zenith_cosine(coordinate(k, options.sun_zeniths)));
     }
@@ -121,7 +115,7 @@ class Precomputation {
       const double from = 0.06 + share * static_cast<double>(group);
       compute(group, from, group + 1 == groups_ ? 1.0 : from + share);
     }
-    if (!weights_.empty()) clip();
+    if (!spectral_) clip();
     result_.irradiance.resize(irradiance_.size());
     std::transform(irradiance_.begin(), irradiance_.end(), result_.irradiance.begin(), stored);
     return std::move(result_);
@@ -155,8 +149,9 @@ class Precomputation {
   AirModel air_;
   TableMapping mapping_;
   const Control& control_;
-  std::size_t groups_;
-  std::vector<glm::dvec3> weights_;  ///< empty: three wavelengths as they are
+  bool spectral_;                    ///< three wavelengths as they are
+  std::vector<glm::dvec3> weights_;  ///< of the wavelengths in the channels
+  std::size_t groups_;               ///< of three wavelengths
   std::vector<double> suns_;         ///< zenith cosines of the table's
   sky::SourceShape source_shape_;
   sky::ColourFold colours_;
@@ -189,28 +184,17 @@ void Precomputation::mix(std::span<const SkyTables> tables, std::span<const doub
 void Precomputation::transmittance() {
   const std::size_t zeniths = index(options_.transmittance_zeniths);
   result_.transmittance.resize(sky::transmittance_floats(options_));
-  glm::dvec3 whole(0.0);  // colour of the sun's own spectrum
-  const std::vector<double>& solar = air_.atmosphere().solar_irradiance;
-  for (std::size_t i = 0; i < weights_.size(); ++i) whole += weights_[i] * solar[i];
   const auto texel = [&](const PerConstituent& lengths, float* rgb) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t i = 0; i < (weights_.empty() ? 3 : weights_.size()); ++i) {
-      PerConstituent extinction{};
-      for (std::size_t k = 0; k < air_.constituents(); ++k) extinction[k] = air_.extinction(k, i);
-      // A colour's transmittance is Sum_i w_i S_i T_i / Sum_i w_i S_i, S the sun's spectrum: sunlight times it is the
-      // colour of what arrives. Some weights of sRGB are negative, so that the quotient may leave [0, 1] and is held to
-      // it.
-      const double through = math::exponential(-sky::optical_depth(extinction, lengths));
-      if (weights_.empty()) {
-        sum[static_cast<glm::length_t>(i)] = through;
-      } else {
-        sum += weights_[i] * solar[i] * through;
-      }
+    std::array<double, sky::kMaxWavelengths> through{};
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      through[i] = math::exponential(-sky::optical_depth(air_.extinctions(i), lengths));
     }
-    for (glm::length_t c = 0; c < 3; ++c) {
-      const double value = weights_.empty() ? sum[c] : (whole[c] > 0.0 ? sum[c] / whole[c] : 0.0);
-      rgb[c] = stored(std::min(value, 1.0));
-    }
+    // A colour's transmittance is Sum_i w_i S_i T_i / Sum_i w_i S_i, S the sun's spectrum: sunlight times it is the
+    // colour of what arrives. Some weights of sRGB are negative, so that the quotient may leave [0, 1] and is held to
+    // it.
+    const glm::dvec3 seen = spectral_ ? glm::dvec3(through[0], through[1], through[2])
+                                      : colours_.share(std::span(through).first(weights_.size()));
+    for (glm::length_t c = 0; c < 3; ++c) rgb[c] = stored(std::min(seen[c], 1.0));
   };
   timed("transmittance", "along every ray to the top", [&] {
     std::vector<Ray> rays;
@@ -233,7 +217,7 @@ void Precomputation::transmittance() {
 void Precomputation::compute(std::size_t group, double from, double to) {
   const std::vector<double> forward = sky::forward_shares(air_.atmosphere(), options_.orders);
   const WavelengthGroup wavelengths = sky::wavelength_group(air_, group, forward);
-  const Fold fold = fold_of(air_.atmosphere(), weights_, group);
+  const Fold fold = fold_of(weights_, group);
   const sky::Sunlight light(air_, *paths_, wavelengths.extinctions);
   const double middle = from + 0.5 * (to - from);
   sky::SourceSolver solver(air_, mapping_, light, wavelengths, source_shape_);
@@ -334,10 +318,10 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
       mie_sum += fold.weights[c][k] * mie[k];
     }
     // folded colours may be negative until all wavelengths are in
-    rgba[c] = weights_.empty() ? stored(static_cast<double>(rgba[c]) + sum) : rgba[c] + static_cast<float>(sum);
+    rgba[c] = spectral_ ? stored(static_cast<double>(rgba[c]) + sum) : rgba[c] + static_cast<float>(sum);
     if (once == nullptr && !glows) continue;
     if (glows) mie_sum *= glow_factor(texel, c, nu, once != nullptr);
-    const float mie_value = weights_.empty() ? stored(mie_sum) : static_cast<float>(mie_sum);
+    const float mie_value = spectral_ ? stored(mie_sum) : static_cast<float>(mie_sum);
     if (c == 0) rgba[3] += mie_value;
     if (!result_.single_mie.empty()) result_.single_mie[4 * texel + c] += mie_value;
   }

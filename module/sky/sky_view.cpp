@@ -63,12 +63,6 @@ SkyView::SkyView(std::shared_ptr<const SkyTables> tables, double altitude_m, con
         return std::make_shared<const Slice>(Slice{sky::SkySlice(checked(tables, altitude_m), altitude_m, options)});
       }()) {}
 
-SkyView::~SkyView() = default;
-SkyView::SkyView(const SkyView&) = default;
-SkyView::SkyView(SkyView&&) noexcept = default;
-SkyView& SkyView::operator=(const SkyView&) = default;
-SkyView& SkyView::operator=(SkyView&&) noexcept = default;
-
 const sky::SkySlice& SkyViewAccess::slice(const SkyView& view) noexcept { return view.slice_->slice; }
 
 const std::shared_ptr<const SkyTables>& SkyView::tables() const noexcept { return slice_->slice.tables(); }

@@ -27,14 +27,10 @@ WELKIN_INLINE NodeFraction place_among(Lanes position, int nodes) {
 }
 
 /// Four channels' weights, again and again.
-struct Repeated {
-  alignas(64) float values[kLanes];
-};
-
-WELKIN_INLINE Repeated repeated(const float* four, float factor) {
-  Repeated weights;
-  for (int i = 0; i < kLanes; ++i) weights.values[i] = four[i % 4] * factor;
-  return weights;
+WELKIN_INLINE Lanes repeated(const float* four) {
+  alignas(64) float weights[kWidth];
+  for (int i = 0; i < kWidth; ++i) weights[i] = four[i % 4];
+  return Lanes::load_aligned(weights);
 }
 
 WELKIN_INLINE Lanes sun_zenith(float start_ratio, float distance_ratio, const SkySuns& suns, int i) {
@@ -162,8 +158,8 @@ WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inver
 ///   (t0 + P_2(mu) t1 - (1 - mu^2) t2) + q (mu t3) + q^2 t4
 /// once per sample, and a sun costs two multiplications and additions per channel.
 WELKIN_INLINE void mix_molecules(const SourceSample& sample, int nodes, const float* inverse, float* rows) {
-  const Lanes low = Lanes::load_aligned(repeated(sample.molecule_weights[0], 1.0F).values);
-  const Lanes high = Lanes::load_aligned(repeated(sample.molecule_weights[1], 1.0F).values);
+  const Lanes low = repeated(sample.molecule_weights[0]);
+  const Lanes high = repeated(sample.molecule_weights[1]);
   const Lanes cosine(sample.view_cosine);
   const Lanes square = cosine * cosine;
   const Lanes second = Lanes(1.5F) * square - Lanes(0.5F);
@@ -184,7 +180,7 @@ WELKIN_INLINE void mix_molecules(const SourceSample& sample, int nodes, const fl
 /// The sum of the images, relative to the brightness.
 WELKIN_INLINE void mix_images(const SourceSample& sample, int nodes, int size, const float* inverse, float* image) {
   Lanes weights[4];
-  for (int k = 0; k < sample.count; ++k) weights[k] = Lanes::load_aligned(repeated(sample.weights[k], 1.0F).values);
+  for (int k = 0; k < sample.count; ++k) weights[k] = repeated(sample.weights[k]);
   for (int row = 0; row < 4 * size; row += 4 * nodes) {
     for (int i = 0; i < 4 * nodes; i += kWidth) {
       Lanes sum(0.0F);

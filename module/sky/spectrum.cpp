@@ -129,14 +129,10 @@ std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) 
   return weights;
 }
 
-namespace {
-
 std::vector<glm::dvec3> channel_weights(const Atmosphere& atmosphere, SkyColour colour) {
   if (colour == SkyColour::linear_srgb) return srgb_weights(atmosphere.wavelengths_nm);
   return {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
 }
-
-}  // namespace
 
 ColourFold::ColourFold(const Atmosphere& atmosphere, SkyColour colour) : weights_(channel_weights(atmosphere, colour)) {
   for (std::size_t i = 0; i < weights_.size(); ++i) {

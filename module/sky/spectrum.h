@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "welkin/sky.h"
 
 namespace welkin::sky {
+
+inline constexpr std::size_t kMaxWavelengths = 96;  ///< of an atmosphere
 
 /// Throws `Error` (invalid_argument) unless there are 3 to 96, from 1 to 1e6 nm, all rising or all falling.
 void check_wavelengths(const std::vector<double>& wavelengths_nm);
@@ -19,6 +22,9 @@ void check_wavelengths(const std::vector<double>& wavelengths_nm);
 [[nodiscard]] std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
 // The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.
+
+/// Returns weights of the wavelengths in the channels: `srgb_weights`, or, of `spectral` skies, 1 in each one's own.
+[[nodiscard]] std::vector<glm::dvec3> channel_weights(const Atmosphere& atmosphere, SkyColour colour);
 
 /// Weights of the wavelengths in the three channels.
 class ColourFold {

@@ -105,9 +105,8 @@ std::array<double, 3> Sunlight::at(double altitude, double sun_zenith_cosine) co
   const double above = sun_zenith_cosine - static_cast<double>(sample.horizon);
   const double t = std::clamp(sample.disc_slope * above + sample.disc_offset, 0.0, 1.0);
   const double y = std::max(0.0, above);
-  const double position = std::clamp(sample.rational * (y / (y + sample.bend)) + sample.linear * y, 0.0,
-                                     static_cast<double>(paths_->size().zeniths - 1));
-  const int node = std::min(static_cast<int>(position), paths_->size().zeniths - 2);
+  const auto [node, part] =
+      between(sample.rational * (y / (y + sample.bend)) + sample.linear * y, paths_->size().zeniths);
   std::array<double, 3> light{};
   for (std::size_t c = 0; c < 3; ++c) {
     double ends[2]{};
@@ -116,7 +115,7 @@ std::array<double, 3> Sunlight::at(double altitude, double sun_zenith_cosine) co
       for (int i = 0; i < 2; ++i)
         ends[i] += static_cast<double>(sample.row_weights[k]) * static_cast<double>(row[4 * i]);
     }
-    const double value = ends[0] + (position - node) * (ends[1] - ends[0]);
+    const double value = ends[0] + part * (ends[1] - ends[0]);
     light[c] = std::max(0.0, value) * t * t * (3.0 - 2.0 * t);
   }
   return light;

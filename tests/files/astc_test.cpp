@@ -405,8 +405,8 @@ TEST_CASE("UASTC HDR's kernels give the same lines and indices on every instruct
     kernels.rank_partitions(*group, image::kUastcPartitions, 4, partitions);
     image::BlockLines fitted{};
     image::BlockIndices found{};
-    kernels.fit_pairs(*group, partitions[0], nullptr, fitted);
-    kernels.index_pairs(*group, partitions[0], fitted, found);
+    kernels.fit_lines(*group, partitions[0], nullptr, fitted);
+    kernels.index_lines(*group, partitions[0], fitted, found);
     if (set == available_instruction_sets().front()) {
       first_fitted = fitted;
       first_found = found;
