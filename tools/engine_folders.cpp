@@ -111,7 +111,8 @@ bool is_own_readme(const std::string& first_line) noexcept {
 std::string readme_text(Engine engine, const std::vector<std::string>& written) {
   const Convention& axes = convention(engine);
   std::string text = kFirstWords + std::string(axes.title) + kLastWords + "\n\n";
-  // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; the last with none.
+  // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; what has
+  // none is shown beside any other.
   std::istringstream lines(embedded_text(std::string("engines/") + axes.name + ".md"));
   bool is_shown = false;
   bool any_shown = false;
