@@ -155,7 +155,7 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--exposure", &options.exposure_stops, "EV",
              "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
              "lit surroundings becomes 0.36, and the manifest states the value",
-             {.bounds = finite_between(-kMaxStops, kMaxStops), .excludes = {"--no-previews"}});
+             {.bounds = number_between(-kMaxStops, kMaxStops), .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -190,7 +190,7 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--rms-error", &options.rms_error, "ERROR",
              "Error bound of each mip and of the irradiance cubemap: root mean square error over root mean square, "
              "1e-6 to 1; default by --quality. The relative error of any texel is at most ten times that",
-             {.bounds = finite_between(1e-6, 1.0)});
+             {.bounds = number_between(1e-6, 1.0)});
 }
 
 /// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
@@ -221,7 +221,7 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
   add_option(table, "--error-budget", On<double>(set), "ERROR",
              "Sets --rms-error, and as many --bands as irradiance needs for this error under a single lamp: 3 for "
              "0.09, 5 for 0.05, 15 for 0.01",
-             {.bounds = finite_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
+             {.bounds = number_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.

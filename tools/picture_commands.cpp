@@ -324,7 +324,7 @@ Command convert_command() {
   add_option(table, "--exposure", &options->exposure_stops, "EV",
              "Exposure of --tone-map in stops, radiance times 2^EV; default: as 'welkin bake' exposes "
              "its previews",
-             {.bounds = finite_between(-60.0, 60.0), .needs = {"--tone-map"}});
+             {.bounds = number_between(-60.0, 60.0), .needs = {"--tone-map"}});
   in_group(table, "Input and output");
   add_orientation_options(table, options->orientation);
   add_sun_options(table, options->sun);

@@ -174,7 +174,7 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
              "The aerosol of earth, hazy, dusty and polluted: its vertical "
              "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
              "and more)",
-             {.bounds = finite_between(0.0, 100.0)});
+             {.bounds = number_between(0.0, 100.0)});
   add_option(table, "--atmosphere", &choice.file, "FILE",
              "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
              {.excludes = {kPreset}});
@@ -184,11 +184,11 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
              {.list = List::commas});
   add_option(table, "--ground-albedo", &choice.ground_albedo, "A",
              "Albedo of the ground, 0 to 1; default that of the preset, earth 0.1",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
   add_option(table, "--night", &choice.night_luminance, "CD",
              "Add the light of a night without a moon (airglow, stars): the zenith's luminance in cd/m2, 0 "
              "to 1; a dark place has 2e-4. Default: none",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {

@@ -92,6 +92,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake][sl
                              "--brdf 0",
                              "--brdf-model x",
                              "--no-brdf --brdf 8",
+                             "--no-diffuse --irradiance 8",
                              "--bands 17",
                              "--method magic",
                              "--rms-error 0",

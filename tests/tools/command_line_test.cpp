@@ -33,6 +33,8 @@ TEST_CASE("command: bad usage exits with 2", "[tools]") {
   CHECK(contains(failure("sh --clamp nan", 2), "--clamp"));
   CHECK(contains(failure("sh --clamp inf", 2), "--clamp"));
   CHECK(contains(failure("sh --threads -1", 2), "--threads"));
+  CHECK(contains(failure("sh --yaw nan", 2), "--yaw"));
+  CHECK(contains(failure("sh --extract-sun --sun-share nan", 2), "--sun-share"));
   CHECK(contains(failure("sh --nan keep", 2), "--nan"));
   CHECK(contains(failure("sh file.exr --layout cross", 2), "--layout"));
   CHECK(contains(failure("sh file.exr --memory-limit -1", 2), "--memory-limit"));
