@@ -261,11 +261,10 @@ std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, 
 
 }  // namespace
 
-std::string bake_to_folder(const BakeCommandOptions& asked, const Control& control) {
-  check(asked);
-  BakeFolderCache cache(asked);
-  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, asked, control);
-  BakeCommandOptions options = asked;  // and what a budget chooses
+std::string bake_to_folder(const BakeCommandOptions& options, const Control& control) {
+  check(options);
+  BakeFolderCache cache(options);
+  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options, control);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(platform::path_of(options.directory), names_to_write(options, baked.whole),
                       part_of(control, kBaked, 1.0));

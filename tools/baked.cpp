@@ -414,9 +414,7 @@ void note_dark_channels(const PrefilteredSpecular& chain, std::vector<std::strin
 }
 
 /// Of a chain without its sharpest mips there is no sharp environment.
-void note_blur(const BakeCommandOptions& options, Baked& baked) {
-  if (!options.input) return;
-  const StoredEnvironment file = header_of(options);
+void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked) {
   for (const std::string& note : file.info.notes) {
     if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
   }
@@ -477,26 +475,22 @@ FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& optio
   return folder;
 }
 
-/// Refuses by a file's header what would be refused once its pixels are read.
-void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& asked) {
-  if (!options.input) return;
-  const FolderPlan header = plan_header(header_of(options), options, needs, asked);
-  check_memory(header.memory, options, header.light.options);
-}
-
 /// From the pixels.
-void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& control) {
-  check_header(options, needs_of(options), baked.whole);
+void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
+  std::optional<StoredEnvironment> file;
+  if (options.input) {  // what would be refused once its pixels are read is refused by its header
+    file = header_of(options);
+    const FolderPlan header = plan_header(*file, options, needs, baked.whole);
+    check_memory(header.memory, options, header.light.options);
+  }
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
-  baked.whole = library_options(options);
-  const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
-  note_blur(options, baked);
+  if (file) note_blur(*file, options, baked);
   const FolderPlan work = plan_pixels(source, options, needs, baked);
   const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "results that the scene needs" : "all requested results";
@@ -531,7 +525,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
 
 }  // namespace
 
-Plan plan_ahead(BakeCommandOptions options, const Control& control) {
+Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
   const SceneNeeds needs = needs_of(options);
   const BakeOptions asked = library_options(options);
   if (!options.input) {
@@ -542,7 +536,7 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
   return takes_stored(options, needs) ? plan(file, needs, asked) : plan_header(file, options, needs, asked).whole;
 }
 
-Prediction predict(BakeCommandOptions options) {
+Prediction predict(const BakeCommandOptions& options) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
   const StoredEnvironment file = header_of(options);
   const FolderPlan header = plan_header(file, options, needs_of(options), library_options(options));
@@ -550,7 +544,7 @@ Prediction predict(BakeCommandOptions options) {
   return {file.info, file.shape.texels(), header.whole.result_bytes, largest.bytes};
 }
 
-Baked bake_source(BakeCommandOptions& options, const Control& control) {
+Baked bake_source(const BakeCommandOptions& options, const Control& control) {
   Baked baked;
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
@@ -558,9 +552,9 @@ Baked bake_source(BakeCommandOptions& options, const Control& control) {
     const StoredEnvironment file = header_of(options);
     baked.plan = plan(file, needs, baked.whole);
     bake_stored(file, options, baked, control);
-    return baked;
+  } else {
+    bake_pixels(options, needs, baked, control);
   }
-  bake_pixels(options, baked, control);
   return baked;
 }
 
