@@ -66,6 +66,15 @@ std::string duration(double milliseconds) {
   return rough(milliseconds / 1000.0) + " s";
 }
 
+std::string long_duration(double seconds) {
+  constexpr long kMinute = 60;
+  constexpr long kHour = 60 * kMinute;
+  const auto whole = static_cast<long>(std::ceil(seconds));
+  if (whole < kMinute) return std::to_string(whole) + " s";
+  if (whole < kHour) return std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s";
+  return std::to_string(whole / kHour) + " h " + std::to_string(whole % kHour / kMinute) + " min";
+}
+
 std::string pad_left(std::string_view text, std::size_t width) {
   return std::string(width - std::min(width, text.size()), ' ') + std::string(text);
 }

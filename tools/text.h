@@ -63,6 +63,9 @@ template <class Values, class Words>
 /// A duration with its unit: "0.21 ms", "3.4 s".
 [[nodiscard]] std::string duration(double milliseconds);
 
+/// "41 s", "3 min 5 s", "2 h 10 min"
+[[nodiscard]] std::string long_duration(double seconds);
+
 [[nodiscard]] std::string pad_left(std::string_view text, std::size_t width);
 [[nodiscard]] std::string pad_right(std::string_view text, std::size_t width);
 
