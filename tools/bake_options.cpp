@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {
@@ -195,22 +197,17 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
 
 /// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all pictures, has at most this
 /// rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan 2001,
-/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it.
+/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it, nor has
+/// the last band.
 int bands_within(double rms_error) {
-  constexpr double kWhole = 8.0 / 3.0;  // over pi^2, as all below
-  const double bound = kWhole * rms_error * rms_error;
-  double rest = kWhole - 1.0;  // degree 0
-  if (rest <= bound) return 1;
-  rest -= 4.0 / 3.0;
-  if (rest <= bound) return 2;
-  double factor = 0.25;  // A_l / pi
-  int degree = 2;
-  while (true) {
-    rest -= (2 * degree + 1) * factor * factor;
-    if (rest <= bound || degree + 2 >= kMaximumBands) return degree + 1;
-    factor *= static_cast<double>(degree - 1) / (degree + 4);
-    degree += 2;
-  }
+  double rest = 8.0 / 3.0 * std::numbers::pi * std::numbers::pi;
+  const double bound = rest * rms_error * rms_error;
+  int bands = 0;
+  do {
+    rest -= (2 * bands + 1) * cosine_lobe(bands) * cosine_lobe(bands);
+    ++bands;
+  } while (rest > bound && bands + 1 < kMaximumBands);
+  return bands;
 }
 
 void add_error_budget_option(Options& table, BakeCommandOptions& options) {
