@@ -133,20 +133,13 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   return is_cubemap(info);
 }
 
-void rotate(const glm::dmat3& matrix, ShReport& report) {
-  if (matrix == glm::dmat3(1.0)) return;
-  report.projection.radiance = rotate(report.projection.radiance, matrix);
-  if (report.sun) report.sun->direction = matrix * report.sun->direction;
-}
-
 /// Reads, projects, turns, windows. Throws what the library throws.
 ShReport measure_sh(const ShOptions& options, const Control& control) {
   ShReport report;
   report.options = options.projection;
   report.sun_wanted = options.sun.take_out;
-  const bool cubemap = project_source(options, control, report);
-  rotate(light_rotation(options.orientation, cubemap), report);
-  complete(report, options);
+  const bool is_of_cubemap = project_source(options, control, report);
+  complete(report, options, is_of_cubemap);
   return report;
 }
 
@@ -194,12 +187,16 @@ const char* quadrature_name(const ShReport& report) noexcept {
   return report.options.quadrature == Quadrature::exact ? "exact" : "midpoint";
 }
 
-void complete(ShReport& report, const ShOptions& options) {
+void complete(ShReport& report, const ShOptions& options, bool is_of_cubemap) {
   report.window = options.window;
   report.engine = options.orientation.to;
   report.axes = axes_text(options.orientation);
   report.threads = thread_count(options.common);
   SphericalHarmonics& radiance = report.projection.radiance;
+  if (const glm::dmat3 matrix = light_rotation(options.orientation, is_of_cubemap); matrix != glm::dmat3(1.0)) {
+    radiance = rotate(radiance, matrix);
+    if (report.sun) report.sun->direction = matrix * report.sun->direction;
+  }
   report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
   report.windowed = apply_window(radiance, options.window, options.window_width);
   radiance = report.windowed.radiance;

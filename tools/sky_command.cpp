@@ -484,12 +484,7 @@ ShReport measure_sky(const SkyOptions& options, const Control& control) {
   diagnostics.texels = static_cast<std::uint64_t>(report.sky->directions);
   diagnostics.error_estimate = error_estimate(sky, options.quadrature, report.projection.radiance);
   describe_light(sky, report);
-  const glm::dmat3 matrix = light_rotation(options.sh.orientation, false);
-  if (matrix != glm::dmat3(1.0)) {
-    report.projection.radiance = rotate(report.projection.radiance, matrix);
-    report.sun->direction = matrix * report.sun->direction;
-  }
-  complete(report, options.sh);
+  complete(report, options.sh, false);
   return report;
 }
 
