@@ -166,11 +166,12 @@ bool begins_with(const std::filesystem::path& file, std::string_view sign) {
   return std::string_view(first.data(), static_cast<std::size_t>(stream.gcount())).find(sign) != std::string_view::npos;
 }
 
-void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer) {
+void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer,
+                 const std::string& remedy) {
   std::error_code unknown;
   if (!std::filesystem::exists(file, unknown) || begins_with(file, sign)) return;
   throw Error(ErrorCode::file_access, platform::utf8(file) + ": is there and was not written by 'welkin " + writer +
-                                          "', which would write over it; name another file, or remove it");
+                                          "', which would write over it; " + remedy);
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
