@@ -37,17 +37,15 @@ class BakeSource {
   /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
   /// taken out, clamped or decoded: then the pixels alone tell.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::uint64_t bytes() const;
 
-  [[nodiscard]] EnvironmentView view() const { return file_ ? file_->view() : pixels_.view(); }
+  [[nodiscard]] EnvironmentView view() const { return pixels_.view(); }
 
  private:
   void read(const BakeCommandOptions& options, const Control& control);
   void orient(const BakeCommandOptions& options, const Control& control);
-  [[nodiscard]] bool is_cubemap() const noexcept { return file_ ? file_->face_size() > 0 : pixels_.is_cubemap; }
 
-  std::optional<Environment> file_;  // as it was read,
-  Pixels pixels_;                    // or what was made of it
+  Pixels pixels_;
   Source description_;
   std::optional<SkyReport> sky_;
   LatLongImage picture_;
@@ -78,58 +76,53 @@ std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const Bak
 BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control) {
   read(options, part_of(control, 0.0, kTurning));
   if (options.sun.take_out) {
-    sun_ = file_ ? extract_sun(*file_, options.sun.options) : extract_sun(pixels_, options.sun.options);
+    replace_infinities(pixels_);
+    sun_ = extract_sun(pixels_, options.sun.options);
   }
   orient(options, part_of(control, kTurning, 1.0));
 }
 
-std::uint64_t BakeSource::bytes() const noexcept {
-  if (file_) return values_of(*file_).size_bytes();
-  return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + picture_.pixels.size());
+std::uint64_t BakeSource::bytes() const {
+  return sizeof(float) * (3 * shape_of(view()).texels() + picture_.pixels.size());
 }
 
 void BakeSource::read(const BakeCommandOptions& options, const Control& control) {
   if (!options.input) {
     ComputedPicture computed = options.compute ? options.compute(control) : built_in_sky(control);
-    pixels_.lat_long = std::move(computed.image);
+    if (!options.picture_name.empty()) picture_ = computed.image;
+    pixels_.image = std::move(computed.image);
     description_ = std::move(computed.source);
     sky_ = std::move(computed.sky);
     sun_ = computed.sun;
-    if (!options.picture_name.empty()) picture_ = pixels_.lat_long;
     return;
   }
-  file_ = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
-  description_ = source_of(*options.input, file_->info);
-  stored_light_ = light_stored_in(file_->info, options, control);
+  Environment file = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
+  description_ = source_of(*options.input, file.info);
+  stored_light_ = light_stored_in(file.info, options, control);
+  pixels_.image = std::move(file);
 }
 
 void BakeSource::orient(const BakeCommandOptions& options, const Control& control) {
   OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
-  if (sun_) sun_->direction = light_rotation(into_welkin, is_cubemap()) * sun_->direction;
-  const glm::dmat3 matrix = picture_rotation(into_welkin, is_cubemap(), is_cubemap());
+  const bool is_cubemap = pixels_.is_cubemap();
+  const glm::dmat3 rotation = light_rotation(into_welkin, is_cubemap);
+  if (sun_) sun_->direction = rotation * sun_->direction;
+  const glm::dmat3 matrix = picture_rotation(into_welkin, is_cubemap, is_cubemap);
   if (matrix == glm::dmat3(1.0)) return;
-  if (stored_light_) {
-    SphericalHarmonics& radiance = stored_light_->radiance;
-    radiance = rotate(radiance, light_rotation(into_welkin, is_cubemap()));
-  }
+  if (stored_light_) stored_light_->radiance = rotate(stored_light_->radiance, rotation);
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {
     throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
                                                " bytes while it is rotated, above the limit of " +
                                                std::to_string(limit) + "; raise " + options.common.memory_option);
   }
-  Pixels rotated;
-  rotated.is_cubemap = is_cubemap();
-  if (rotated.is_cubemap) {
-    const CubemapView view = file_ ? file_->cubemap() : pixels_.cubemap.view();
-    rotated.cubemap = to_cubemap(view, view.size, matrix, ResampleFilter::area, control);
+  const SourceShape shape = shape_of(view());
+  if (is_cubemap) {
+    pixels_.image = to_cubemap(view(), shape.columns, matrix, ResampleFilter::area, control);
   } else {
-    const LatLongView view = file_ ? file_->lat_long() : pixels_.lat_long.view();
-    rotated.lat_long = to_lat_long(view, view.width, view.height, matrix, ResampleFilter::area, control);
+    pixels_.image = to_lat_long(view(), shape.columns, shape.rows, matrix, ResampleFilter::area, control);
   }
-  pixels_ = std::move(rotated);
-  file_.reset();
 }
 
 /// What each step of the work takes by itself.

@@ -52,7 +52,7 @@ void add_sh_options(Options& table, ShOptions& options) {
 constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
 
 // What `project` would put in an infinity's place.
-float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : 65504.0F; }
+float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : kForInfinity; }
 
 // Takes the sun out, if asked for, and projects what is left; measures the irradiance's error on the way.
 void project_pixels(Pixels& pixels, const ShOptions& options, const Control& control, ShReport& report) {
@@ -98,10 +98,9 @@ bool is_cubemap(const EnvironmentInfo& info) { return info.layout != Layout::lat
 bool project_source(const ShOptions& options, const Control& control, ShReport& report) {
   const bool in_memory = options.sun.take_out || options.irradiance_error;
   if (!options.input) {
-    Pixels pixels;
     begin_stage("sky");
     ComputedPicture sky = built_in_sky(part_of(control, 0.0, kComputed));
-    pixels.lat_long = std::move(sky.image);
+    Pixels pixels{std::move(sky.image)};
     report.source = sky.source;
     report.sky = sky.sky;
     project_pixels(pixels, options, part_of(control, kComputed, 1.0), report);
@@ -111,15 +110,12 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const FileInput input = input_of(*options.input, read);
   if (in_memory) {
     require_memory_twice(inspect_environment(input, read), read);
-    Pixels pixels;
-    {
-      begin_stage("read");
-      const Environment environment = read_environment(input, read);
-      report.source = source_of(*options.input, environment.info);
-      pixels = pixels_of(environment);
-    }
+    begin_stage("read");
+    Environment environment = read_environment(input, read);
+    report.source = source_of(*options.input, environment.info);
+    Pixels pixels{std::move(environment)};
     project_pixels(pixels, options, control, report);
-    return pixels.is_cubemap;
+    return pixels.is_cubemap();
   }
   begin_stage("read and project");
   const EnvironmentInfo info = inspect_environment(input, read);
