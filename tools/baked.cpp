@@ -125,16 +125,31 @@ void BakeSource::orient(const BakeCommandOptions& options, const Control& contro
   }
 }
 
-/// What each step of the work takes by itself.
+/// What steps of the work take beside the library's bake.
 struct BakeMemory {
   std::string path{};             ///< of the source, for the message
   std::uint64_t source = 0;       ///< held until all is baked
-  std::uint64_t bake = 0;         ///< `bake_bytes`
-  std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
-  int env_size = 0;               ///< of that chain
-  int env_mips = 0;
-  int levels = 1;              ///< of the source's file
-  std::uint64_t lat_long = 0;  ///< that is written; 0 if there is none
+  std::uint64_t second_bake = 0;  ///< of the .env's or .glb's chain: results and working memory; 0 if there is none
+  int levels = 1;                 ///< of the source's file
+  std::uint64_t lat_long = 0;     ///< that is written; 0 if there is none
+};
+
+/// The .env's or .glb's chain beside the bake's own.
+struct EnvChain {
+  PrefilterOptions options;
+  std::string pass;          ///< what its bake is called
+  bool wanted = false;       ///< such a file is asked for, and materials would read it
+  bool is_specular = false;  ///< the bake's own chain would do
+
+  [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
+};
+
+/// What is to be made.
+struct FolderPlan {
+  Plan light{};  ///< by the library's bake
+  EnvChain env{};
+  Plan whole{};  ///< with the chains beside it
+  BakeMemory memory{};
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -179,19 +194,22 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
 
 /// The step that takes most: of the bake itself, the .env's or .glb's chain, lat-longs, or cubemaps that are turned on
 /// the way out. Not counted: previews, and what an encoder holds of a file. `limit` matters to the remedy.
-MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake,
-                        std::uint64_t limit) {
+MemoryStep largest_step(const FolderPlan& folder, const BakeCommandOptions& options, std::uint64_t limit) {
+  const BakeMemory& memory = folder.memory;
+  const BakeOptions& bake = folder.light.options;
   const int size = background_size(bake);
   const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
   const std::uint64_t irradiance = bake.irradiance ? cubemap_bytes(bake.irradiance->size) : 0;
   const std::uint64_t results = background + specular + irradiance;
   const bool turns = face_rotation(options) != glm::dmat3(1.0);
-  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
+  const PrefilterOptions& second = folder.env.options;
+  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(second.size, second.mips.value()) : 0;
 
   const bool is_large = options.input && memory.source > results;
   const char* const smaller = !is_large ? kSmallerResults : memory.levels > 1 ? kSmallerLevel : kSmallerSource;
-  MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
+  MemoryStep worst{memory.source + folder.light.result_bytes + folder.light.working_bytes,
+                   "source, results and working memory", smaller};
   const bool has_glb = contains(options.files, Content::gltf_light);
   const char* const without_env = worst.bytes > limit || !is_large ? smaller
                                   : has_glb                        ? "pass --formats, which writes no environment.glb"
@@ -217,15 +235,15 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
 }
 
 /// Throws `Error` (limit_exceeded) if a step would take more than the limit.
-void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
+void check_memory(const FolderPlan& folder, const BakeCommandOptions& options) {
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
-  const MemoryStep worst = largest_step(memory, options, bake, limit);
+  const MemoryStep worst = largest_step(folder, options, limit);
   if (worst.bytes <= limit) return;
   constexpr unsigned kMebi = 20;
-  throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
-                                             " bytes, above the limit of " + std::to_string(limit) + "; " +
-                                             worst.remedy + ", or raise " + options.common.memory_option + " to " +
-                                             std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
+  throw Error(ErrorCode::limit_exceeded,
+              folder.memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
+                  " bytes, above the limit of " + std::to_string(limit) + "; " + worst.remedy + ", or raise " +
+                  options.common.memory_option + " to " + std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
 }
 
 // Shares of the progress.
@@ -302,16 +320,6 @@ SceneNeeds needs_of(const BakeCommandOptions& options) {
   return needs;
 }
 
-/// The .env's or .glb's chain beside the bake's own.
-struct EnvChain {
-  PrefilterOptions options;
-  std::string pass;          ///< what its bake is called
-  bool wanted = false;       ///< such a file is asked for, and materials would read it
-  bool is_specular = false;  ///< the bake's own chain would do
-
-  [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
-};
-
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
   if (!contains_rgbd(options.files) || !specular) return {};  // a fit to lookups would take milliseconds
@@ -372,8 +380,7 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
   baked.options = baked.plan.options;
   explain(options, baked.plan);
   const std::uint64_t held = baked.plan.streams ? 0 : baked.plan.pass("read").bytes;
-  check_memory({.path = baked.source.path, .source = held, .bake = baked.plan.result_bytes + baked.plan.working_bytes},
-               options, baked.options);
+  check_memory({.light = baked.plan, .memory = {.path = baked.source.path, .source = held}}, options);
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, "results that the scene needs", [&] {
       return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
@@ -417,14 +424,6 @@ void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options,
                         ", so all results are blurred by that");
 }
 
-/// What is to be made of pixels.
-struct FolderPlan {
-  Plan light;  ///< by the library's bake
-  EnvChain env;
-  Plan whole;  ///< with the chains beside it
-  BakeMemory memory;
-};
-
 /// `memory`: what is known of the source.
 FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& options, const SceneNeeds& needs,
                        const BakeOptions& asked, BakeMemory memory) {
@@ -439,9 +438,6 @@ FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& opti
   for (const LobeFamily lobe : options.lobes) {
     plan_chain(source, lobe_options(lobe, options, *asked.specular), lobe_pass(lobe), kLobeReason, folder.whole);
   }
-  folder.memory.bake = folder.light.result_bytes + folder.light.working_bytes;
-  folder.memory.env_size = env.options.size;
-  folder.memory.env_mips = env.options.mips.value_or(0);
   folder.memory.lat_long = lat_long_bytes(source, options, asked);
   return folder;
 }
@@ -464,7 +460,7 @@ FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& optio
   baked.env_left_out = contains_rgbd(options.files) && !folder.env.wanted;
   baked.env_is_specular = folder.env.is_specular;
   explain(options, baked.plan);
-  check_memory(folder.memory, options, baked.options);
+  check_memory(folder, options);
   return folder;
 }
 
@@ -473,8 +469,7 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
   std::optional<StoredEnvironment> file;
   if (options.input) {  // what would be refused once its pixels are read is refused by its header
     file = header_of(options);
-    const FolderPlan header = plan_header(*file, options, needs, baked.whole);
-    check_memory(header.memory, options, header.light.options);
+    check_memory(plan_header(*file, options, needs, baked.whole), options);
   }
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
@@ -533,7 +528,7 @@ Prediction predict(const BakeCommandOptions& options) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
   const StoredEnvironment file = header_of(options);
   const FolderPlan header = plan_header(file, options, needs_of(options), library_options(options));
-  const MemoryStep largest = largest_step(header.memory, options, header.light.options, kNoLimit);
+  const MemoryStep largest = largest_step(header, options, kNoLimit);
   return {file.info, file.shape.texels(), header.whole.result_bytes, largest.bytes};
 }
 
