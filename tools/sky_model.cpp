@@ -1,7 +1,6 @@
 #include "tools/sky_model.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -97,54 +96,37 @@ std::vector<double> visible_spectrum() {
   return wavelengths;
 }
 
-/// Earth's air by the kind of its aerosol, none: air without any.
-struct EarthPreset {
-  AtmospherePreset preset;
-  std::optional<AerosolKind> aerosol;
-};
-
-constexpr std::array<EarthPreset, 5> kEarthPresets{{{AtmospherePreset::earth, AerosolKind::clear},
-                                                    {AtmospherePreset::hazy, AerosolKind::hazy},
-                                                    {AtmospherePreset::dusty, AerosolKind::dusty},
-                                                    {AtmospherePreset::polluted, AerosolKind::polluted},
-                                                    {AtmospherePreset::no_aerosol, std::nullopt}}};
-
-const EarthPreset* earth_preset(AtmospherePreset preset) {
-  const auto found = std::ranges::find(kEarthPresets, preset, &EarthPreset::preset);
-  return found == kEarthPresets.end() ? nullptr : &*found;
-}
-
 std::vector<double> wavelengths_of(const AtmosphereChoice& choice, SkyColour colour) {
   if (!choice.wavelengths_nm.empty()) return choice.wavelengths_nm;
   return colour == SkyColour::linear_srgb ? visible_spectrum() : Atmosphere{}.wavelengths_nm;
 }
 
-Atmosphere earth_of(const EarthPreset& preset, const AtmosphereChoice& choice, SkyColour colour) {
-  const std::vector<double> wavelengths = wavelengths_of(choice, colour);
-  if (!preset.aerosol) return without_aerosol(earth(wavelengths));
-  if (!choice.aerosol_depth) return earth(wavelengths, *preset.aerosol);
-  AerosolModel aerosol = aerosol_model(*preset.aerosol);
-  aerosol.optical_depth = *choice.aerosol_depth;
-  return with_aerosol(earth(wavelengths, *preset.aerosol), aerosol);
-}
-
 Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour colour) {
   if (choice.file) return read_atmosphere(platform::path_of(*choice.file));
-  if (const EarthPreset* const preset = earth_preset(choice.preset)) return earth_of(*preset, choice, colour);
-  if (choice.preset == AtmospherePreset::earth_bruneton) return earth_bruneton(wavelengths_of(choice, colour));
-  return choice.preset == AtmospherePreset::mars ? mars() : earth_hillaire();
+  const std::vector<double> wavelengths = wavelengths_of(choice, colour);
+  const AerosolKind kind = choice.preset.aerosol;
+  switch (choice.preset.air) {
+    case Air::earth: break;
+    case Air::earth_without_aerosol: return without_aerosol(earth(wavelengths));
+    case Air::earth_bruneton: return earth_bruneton(wavelengths);
+    case Air::earth_hillaire: return earth_hillaire();
+    case Air::mars: return mars();
+  }
+  if (!choice.aerosol_depth) return earth(wavelengths, kind);
+  AerosolModel aerosol = aerosol_model(kind);
+  aerosol.optical_depth = *choice.aerosol_depth;
+  return with_aerosol(earth(wavelengths, kind), aerosol);
 }
 
 /// Throws if something is chosen that a preset or file does not offer.
 void check_choice(const AtmosphereChoice& choice) {
-  const EarthPreset* const earth = choice.file ? nullptr : earth_preset(choice.preset);
-  const bool any_wavelengths = earth != nullptr || (!choice.file && choice.preset == AtmospherePreset::earth_bruneton);
-  if (!choice.wavelengths_nm.empty() && !any_wavelengths) {
+  const Air air = choice.preset.air;
+  if (!choice.wavelengths_nm.empty() && (choice.file || air == Air::earth_hillaire || air == Air::mars)) {
     throw Error(ErrorCode::invalid_argument,
                 "--wavelengths is for the presets earth, hazy, dusty, polluted, no-aerosol and earth-bruneton; the "
                 "others and files have their own");
   }
-  if (choice.aerosol_depth && (earth == nullptr || !earth->aerosol)) {
+  if (choice.aerosol_depth && (choice.file || air != Air::earth)) {
     throw Error(ErrorCode::invalid_argument,
                 "--aerosol is for the presets earth, hazy, dusty and polluted; the others and files have their own");
   }
@@ -156,15 +138,15 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
   constexpr const char* kPreset = "--preset";
   table.push_back(tool::choice<AtmospherePreset>(
       kPreset, choice.preset,
-      {{"earth", AtmospherePreset::earth},
-       {"clear", AtmospherePreset::earth},
-       {"hazy", AtmospherePreset::hazy},
-       {"dusty", AtmospherePreset::dusty},
-       {"polluted", AtmospherePreset::polluted},
-       {"no-aerosol", AtmospherePreset::no_aerosol},
-       {"earth-bruneton", AtmospherePreset::earth_bruneton},
-       {"earth-hillaire", AtmospherePreset::earth_hillaire},
-       {"mars", AtmospherePreset::mars}},
+      {{"earth", {Air::earth, AerosolKind::clear}},
+       {"clear", {Air::earth, AerosolKind::clear}},
+       {"hazy", {Air::earth, AerosolKind::hazy}},
+       {"dusty", {Air::earth, AerosolKind::dusty}},
+       {"polluted", {Air::earth, AerosolKind::polluted}},
+       {"no-aerosol", {Air::earth_without_aerosol}},
+       {"earth-bruneton", {Air::earth_bruneton}},
+       {"earth-hillaire", {Air::earth_hillaire}},
+       {"mars", {Air::mars}}},
       "Whose air; default earth: earth or clear (a clear day as measured), hazy, dusty, polluted, no-aerosol (nothing "
       "but "
       "gases), earth-bruneton and earth-hillaire (the constants of Bruneton 2017 and Hillaire 2020: almost no "
