@@ -41,10 +41,9 @@ class Truths {
   Truths(const EnvironmentView& source, const PixelPolicy& pixels, const Control& control)
       : source_(source), pixels_(pixels), control_{control.stop, {}} {}
 
-  [[nodiscard]] Cubemap at(int size, double roughness, double rms_error, ChainLobe lobe = ChainLobe::ggx,
+  [[nodiscard]] Cubemap at(int size, double roughness, double rms_error, LobeFamily lobe = LobeFamily::ggx,
                            double unit = 1.0) const {
-    PrefilterOptions options{.size = size, .mips = 1, .roughness = {roughness}, .rms_error = rms_error};
-    if (lobe == ChainLobe::lambert) options.lobe = LobeFamily::lambert;
+    PrefilterOptions options{.size = size, .mips = 1, .roughness = {roughness}, .lobe = lobe, .rms_error = rms_error};
     options.pixels = pixels_;
     Cubemap truth = within(options);
     if (unit != 1.0) {
@@ -190,7 +189,7 @@ class RoughnessFit {
   }
 
   /// Whether that roughness is better than all before.
-  bool consider(double roughness, ChainLobe lobe = ChainLobe::ggx) {
+  bool consider(double roughness, LobeFamily lobe = LobeFamily::ggx) {
     const Cubemap truth = truths_.at(image_.size(), roughness, kFitError, lobe);
     const glm::dvec3 scale = sums_of(image_, truth, placement_).scale();
     const Sums sums = sums_of(image_, truth, placement_, scale);
@@ -429,8 +428,8 @@ void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truth
   } else {
     fit.search(least);
     if (fit.is_telling()) mip.fitted = fit.best().roughness;
-    if (is_only_one && fit.consider(1.0, ChainLobe::lambert)) {
-      check.lobe = ChainLobe::lambert;
+    if (is_only_one && fit.consider(1.0, LobeFamily::lambert)) {
+      check.lobe = LobeFamily::lambert;
       mip.fitted.reset();
       const glm::dvec3& scale = fit.best().scale;
       if (scale.x + scale.y + scale.z > 3.0 * std::sqrt(std::numbers::pi)) check.unit = std::numbers::pi;

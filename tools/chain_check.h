@@ -76,12 +76,9 @@ struct MipCheck {
   std::uint64_t odd_values = 0;        ///< NaN and infinities, counted as 0
 };
 
-/// Kernels of a chain's mips.
-enum class ChainLobe { ggx, lambert };
-
 struct ChainCheck {
   ChainPlacement placement{};
-  ChainLobe lobe = ChainLobe::ggx;
+  LobeFamily lobe = LobeFamily::ggx;  ///< or `lambert`
   double unit = 1.0;      ///< what a uniform environment of 1 gives: pi for irradiance that is not divided by it
   glm::dvec3 scale{1.0};  ///< the median of the mips'
   std::vector<MipCheck> mips{};

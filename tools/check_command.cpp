@@ -153,7 +153,7 @@ std::string check_json(const CheckOptions& options, const ChainFile& chain, cons
                     {"format", chain.words},
                     {"rms", check.rms()},
                     {"placement", words_of(check.placement)},
-                    {"lobe", check.lobe == ChainLobe::ggx ? "ggx" : "lambert"},
+                    {"lobe", name(check.lobe)},
                     {"unit", check.unit},
                     {"scale", json_triple(check.scale)},
                     {"schedule", check.schedule ? Json(name(*check.schedule)) : Json()},
@@ -198,7 +198,7 @@ std::string check_table(const CheckOptions& options, const ChainFile& chain, con
     text += (check.fits_lookups ? "Lobes are fitted to lookups by the schedule " : "Roughness follows the schedule ") +
             std::string(name(*check.schedule)) + " to within " + significant(check.schedule_distance, 2) + ".\n";
   }
-  if (check.lobe == ChainLobe::lambert) {
+  if (check.lobe == LobeFamily::lambert) {
     text += std::string("It holds irradiance, ") + (check.unit == 1.0 ? "divided by pi" : "not divided by pi") + ".\n";
   }
   text += findings_text(check.findings, "orientation, scale, roughness and edges");
