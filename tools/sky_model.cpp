@@ -300,8 +300,16 @@ bool fit(const SkyTables& tables, const Atmosphere& atmosphere, const SkyTableOp
   return tables.atmosphere == atmosphere && theirs == options;
 }
 
-ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& options,
-                           const std::optional<std::string>& file, const Control& control) {
+/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
+/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
+/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
+ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                         const std::optional<std::string>& file, const Control& control) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto pass = [&](PassAction action, const std::string& reason) -> PassRecord {
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    return {"tables", action, reason, took.count()};
+  };
   std::error_code none;
   std::string reason = "there is no --tables file";
   if (file) {
@@ -309,25 +317,13 @@ ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& 
     if (is_there) {
       auto loaded =
           std::make_shared<const SkyTables>(load_sky_tables(platform::path_of(*file), options.memory_limit_bytes));
-      if (fit(*loaded, atmosphere, options))
-        return {loaded, {"tables", PassAction::reuse, "loaded from " + *file, 0.0}};
+      if (fit(*loaded, atmosphere, options)) return {loaded, pass(PassAction::reuse, "loaded from " + *file)};
     }
     reason = (is_there ? "those in the file had other parameters; now saved to " : "saved to ") + *file;
   }
   auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
   if (file) save_sky_tables(*made, platform::path_of(*file));
-  return {made, {"tables", PassAction::run, reason, 0.0}};
-}
-
-/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
-/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
-/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
-ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
-                         const std::optional<std::string>& file, const Control& control) {
-  const auto start = std::chrono::steady_clock::now();
-  ReadyTables ready = made_or_loaded(atmosphere, options, file, control);
-  ready.pass.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return ready;
+  return {made, pass(PassAction::run, reason)};
 }
 
 constexpr int kBuiltInHeight = 512;
