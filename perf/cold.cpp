@@ -319,6 +319,59 @@ void add_processes(Table& table, const std::filesystem::path& command, const Sou
   }
 }
 
+// Warm calls by their bound on errors.
+
+constexpr double kBounds[] = {1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+
+/// What engines bake while they run, within a bound. `Operation::source` is the size of the result and of its cube.
+std::vector<Operation> operations_within(double rms_error) {
+  std::vector<Operation> all;
+  const auto chain = [&](const std::string& name, Kind kind, PrefilterOptions options) {
+    options.rms_error = rms_error;
+    all.push_back(plain(name, kind, options.size, 1,
+                        [=](const Pixels& pixels) { return prefilter_specular(view_of(kind, pixels), options); }));
+  };
+  const auto probes = [&](int mips) {
+    all.push_back({"64 probes of 64 halves, " + std::to_string(mips) + " mips", Kind::cube, 64, 1,
+                   [=](const Pixels& pixels) -> Call {
+                     const auto source = std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
+                     const auto room = std::make_shared<const ProbeTargets>(64, 64, mips);
+                     return [=, light = std::vector<dvec3>(std::size_t{9} * 64)]() mutable {
+                       const PrefilterOptions options{.size = 64, .mips = mips, .rms_error = rms_error};
+                       use(bake_many(std::vector<CubemapView>(64, source->view()), room->targets, light, options, 3));
+                     };
+                   }});
+  };
+  for (const int size : {64, 128, 256, 512}) {
+    const int mips = size == 64 ? 3 : size == 128 ? 4 : size == 256 ? 5 : 6;  // down to 16 texels
+    const std::string cube = "cube " + std::to_string(size);
+    chain(cube + ", " + std::to_string(mips) + " mips", Kind::cube, {.size = size, .mips = mips});
+    chain(cube, Kind::cube, {.size = size});
+  }
+  chain("lat-long to 256, 5 mips", Kind::lat_long, {.size = 256, .mips = 5});
+  for (const auto& [kind, from] : {std::pair(Kind::cube, "cube 64"), std::pair(Kind::lat_long, "lat-long to 64")}) {
+    chain(std::string(from) + ", Charlie, 3 mips", kind, {.size = 64, .mips = 3, .lobe = LobeFamily::charlie});
+    chain(std::string(from) + ", Lambert", kind, {.size = 64, .lobe = LobeFamily::lambert});
+  }
+  all.push_back(plain("cube 64, irradiance", Kind::cube, 64, 1, [=](const Pixels& pixels) {
+    BakeOptions options{.background = {}, .specular = {}, .brdf = {}};
+    options.irradiance->rms_error = rms_error;
+    return bake(pixels.cube.view(), options);
+  }));
+  for (const int mips : {3, 5}) probes(mips);
+  return all;
+}
+
+/// Milliseconds, the least of `runs` calls after a first one, which makes tables.
+std::string best_of(const Call& call, int runs) {
+  try {
+    const report::Stopwatch stopwatch{.threads = 1, .budget_seconds = 60.0, .most_runs = runs + 1};
+    return number("%.3g", 1e3 * stopwatch.seconds(call));
+  } catch (const Error&) {
+    return "refused";
+  }
+}
+
 }  // namespace
 
 std::string cold_tables(const std::filesystem::path& program, const std::vector<std::filesystem::path>& arguments) {
@@ -351,6 +404,32 @@ std::string cold_calls(const std::vector<std::filesystem::path>& arguments) {
   std::string text;
   for (const double value : row.values) text += number("%.6g ", value);
   return text + "\n";
+}
+
+std::string bounds_table(const Paths& words) {
+  const Arguments arguments(words, {"--runs"});
+  if (arguments.files.size() != 1) throw Error(ErrorCode::invalid_argument, "--bounds: name one lat-long");
+  const int runs = std::max(1, arguments.count("--runs", 20));
+  const Environment image = read_environment(arguments.files.at(0));
+  const LatLongView view = image.lat_long();
+  Pixels pixels;
+  pixels.lat_long = to_lat_long(view, view.width, view.height, dmat3(1.0), ResampleFilter::area);
+  std::vector<std::string> heads{"ms within"};
+  for (const double bound : kBounds) heads.push_back(number("%g", bound));
+  Table table(heads);
+  run_with_threads(1, [&] {
+    for (std::size_t k = 0; k < operations_within(kBounds[0]).size(); ++k) {
+      std::vector<std::string> cells;
+      for (const double bound : kBounds) {
+        const Operation operation = operations_within(bound)[k];
+        if (cells.empty()) cells.push_back(operation.name);
+        if (pixels.cube.size() != operation.source) pixels.cube = to_cubemap(view, operation.source);
+        cells.push_back(best_of(operation.prepare(pixels), bound < 5e-4 ? 2 : runs));
+      }
+      table.add(cells);
+    }
+  });
+  return table.text();
 }
 
 }  // namespace welkin::perf

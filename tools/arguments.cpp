@@ -9,6 +9,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "tools/help.h"
@@ -44,15 +45,10 @@ template <class ValueIn>
 CLI::Validator range(const Bounds& bounds, const char* kind, const ValueIn& value_in) {
   return {[=](const std::string& text) {
             const auto value = value_in(text);
-            if (value && !(*value < bounds.least) && !(*value > bounds.most)) return std::string();
+            if (value && *value >= bounds.least && *value <= bounds.most) return std::string();
             return text + " is not " + kind + " from " + bound_text(bounds.least) + " to " + bound_text(bounds.most);
           },
           ""};
-}
-
-std::optional<double> number_but_nan_in(const std::string& text) {
-  const std::optional<double> value = number_in(text);
-  return value && std::isnan(*value) ? std::nullopt : value;
 }
 
 CLI::Validator positive_number() {
@@ -82,7 +78,6 @@ void check_bounds(CLI::Option& added, const Bounds& bounds) {
     case Bounds::Kind::none: break;
     case Bounds::Kind::whole: added.check(range(bounds, "a whole number", whole_number_in)); break;
     case Bounds::Kind::number: added.check(range(bounds, "a number", number_in)); break;
-    case Bounds::Kind::finite: added.check(range(bounds, "a number", number_but_nan_in)); break;
     case Bounds::Kind::positive: added.check(positive_number()); break;
   }
 }
@@ -187,18 +182,20 @@ ExitCode complain(ExitCode code, const std::string& message) {
 /// What nobody asked for, if that is what is wrong: an option or a command that is not there, an argument too many.
 /// `command`: the one that was named, or null.
 std::string unknown_words(const CLI::App& program, const Command* command, const std::vector<std::string>& arguments) {
+  constexpr std::string_view kEndOfOptions = "--";
   const std::vector<std::string> left = program.remaining(true);
   const auto is_left = [&](const std::string& word) { return std::ranges::find(left, word) != left.end(); };
   const auto chosen = program.get_subcommands();
   const CLI::App& asked = chosen.empty() ? program : *chosen.front();
   const std::string who = chosen.empty() ? "" : asked.get_name() + ": ";
   for (const std::string& word : arguments) {
+    if (word == kEndOfOptions) break;
     if (!is_left(word) || word.size() < 2 || word.front() != '-') continue;
     const std::string option = word.substr(0, word.find('='));
     return (who + "there is no option ").append(option).append(did_you_mean(near_options(option, asked)));
   }
   for (const std::string& word : arguments) {
-    if (!is_left(word)) continue;
+    if (!is_left(word) || word == kEndOfOptions) continue;
     return who + word + " is an argument too many" + (command != nullptr ? command->several : "");
   }
   return "";
@@ -278,7 +275,6 @@ Bounds whole_between(int least, int most) {
   return {Bounds::Kind::whole, static_cast<double>(least), static_cast<double>(most)};
 }
 Bounds number_between(double least, double most) { return {Bounds::Kind::number, least, most}; }
-Bounds finite_between(double least, double most) { return {Bounds::Kind::finite, least, most}; }
 Bounds finite_and_positive() { return {Bounds::Kind::positive}; }
 
 void add_option(Options& table, std::string names, Target target, std::string type, std::string text, Option rules) {

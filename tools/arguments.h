@@ -40,16 +40,14 @@ using Target =
 
 /// Which numbers an option takes.
 struct Bounds {
-  enum class Kind { none, whole, number, finite, positive };
+  enum class Kind { none, whole, number, positive };
   Kind kind = Kind::none;
   double least = 0.0;
   double most = 0.0;
 };
-/// Whole numbers from `least` to `most`.
+/// Whole numbers from `least` to `most`, or all numbers there, of which NaN is none.
 [[nodiscard]] Bounds whole_between(int least, int most);
 [[nodiscard]] Bounds number_between(double least, double most);
-/// The same, and no NaN, which `number_between` lets through.
-[[nodiscard]] Bounds finite_between(double least, double most);
 [[nodiscard]] Bounds finite_and_positive();
 
 /// Whether an option takes several values.

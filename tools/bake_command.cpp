@@ -3,7 +3,6 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -95,14 +94,8 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
 /// Throws `Error` (file_access) if a README.md that this bake would write over is somebody else's.
 void check_readme_is_kept(const BakeCommandOptions& options) {
   for (const OutputFile& file : files_with(Content::readme, options.files)) {
-    const std::filesystem::path path = platform::path_of(options.directory) / file.name;
-    std::ifstream stream(path);
-    std::string line;
-    if (!stream || (std::getline(stream, line) && is_own_readme(line))) continue;
-    throw Error(ErrorCode::file_access,
-                platform::utf8(path) +
-                    ": was not written by a bake, which would overwrite it; pass another folder to -o, "
-                    "or choose files without one by --formats");
+    require_own(platform::path_of(options.directory) / file.name, kReadmeSign, "bake",
+                "pass another folder to -o, or choose files without one by --formats");
   }
 }
 
@@ -261,11 +254,10 @@ std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, 
 
 }  // namespace
 
-std::string bake_to_folder(const BakeCommandOptions& asked, const Control& control) {
-  check(asked);
-  BakeFolderCache cache(asked);
-  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, asked, control);
-  BakeCommandOptions options = asked;  // and what a budget chooses
+std::string bake_to_folder(const BakeCommandOptions& options, const Control& control) {
+  check(options);
+  BakeFolderCache cache(options);
+  if (const std::optional<KeptBake> kept = cache.find()) return write_kept(*kept, options, control);
   Baked baked = bake_source(options, part_of(control, 0.0, kBaked));
   OutputFolder folder(platform::path_of(options.directory), names_to_write(options, baked.whole),
                       part_of(control, kBaked, 1.0));

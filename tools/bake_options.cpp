@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "tools/engine_folders.h"
 #include "tools/text.h"
 #include "welkin/core.h"
+#include "welkin/spherical_harmonics.h"
 
 namespace welkin::tool {
 namespace {
@@ -155,7 +157,7 @@ void add_container_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--exposure", &options.exposure_stops, "EV",
              "Exposure of the previews: radiance times 2^EV; default from the image: the 75th percentile of "
              "lit surroundings becomes 0.36, and the manifest states the value",
-             {.bounds = finite_between(-kMaxStops, kMaxStops), .excludes = {"--no-previews"}});
+             {.bounds = number_between(-kMaxStops, kMaxStops), .excludes = {"--no-previews"}});
 }
 
 void add_specular_options(Options& table, BakeCommandOptions& options) {
@@ -190,27 +192,22 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
   add_option(table, "--rms-error", &options.rms_error, "ERROR",
              "Error bound of each mip and of the irradiance cubemap: root mean square error over root mean square, "
              "1e-6 to 1; default by --quality. The relative error of any texel is at most ten times that",
-             {.bounds = finite_between(1e-6, 1.0)});
+             {.bounds = number_between(1e-6, 1.0)});
 }
 
 /// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all images, has at most this
 /// rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan 2001,
-/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it.
+/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it, nor has
+/// the last band.
 int bands_within(double rms_error) {
-  constexpr double kWhole = 8.0 / 3.0;  // over pi^2, as all below
-  const double bound = kWhole * rms_error * rms_error;
-  double rest = kWhole - 1.0;  // degree 0
-  if (rest <= bound) return 1;
-  rest -= 4.0 / 3.0;
-  if (rest <= bound) return 2;
-  double factor = 0.25;  // A_l / pi
-  int degree = 2;
-  while (true) {
-    rest -= (2 * degree + 1) * factor * factor;
-    if (rest <= bound || degree + 2 >= kMaximumBands) return degree + 1;
-    factor *= static_cast<double>(degree - 1) / (degree + 4);
-    degree += 2;
-  }
+  double rest = 8.0 / 3.0 * std::numbers::pi * std::numbers::pi;
+  const double bound = rest * rms_error * rms_error;
+  int bands = 0;
+  do {
+    rest -= (2 * bands + 1) * cosine_lobe(bands) * cosine_lobe(bands);
+    ++bands;
+  } while (rest > bound && bands + 1 < kMaximumBands);
+  return bands;
 }
 
 void add_error_budget_option(Options& table, BakeCommandOptions& options) {
@@ -221,7 +218,7 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
   add_option(table, "--error-budget", On<double>(set), "ERROR",
              "Sets --rms-error, and as many --bands as irradiance needs for this error under a single lamp: 3 for "
              "0.09, 5 for 0.05, 15 for 0.01",
-             {.bounds = finite_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
+             {.bounds = number_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
 /// What is made beside the specular cubemap.

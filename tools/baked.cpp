@@ -37,17 +37,15 @@ class BakeSource {
   /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
   /// taken out, clamped or decoded: then the pixels alone tell.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
-  [[nodiscard]] std::uint64_t bytes() const noexcept;
+  [[nodiscard]] std::uint64_t bytes() const;
 
-  [[nodiscard]] EnvironmentView view() const { return file_ ? file_->view() : pixels_.view(); }
+  [[nodiscard]] EnvironmentView view() const { return pixels_.view(); }
 
  private:
   void read(const BakeCommandOptions& options, const Control& control);
   void orient(const BakeCommandOptions& options, const Control& control);
-  [[nodiscard]] bool is_cubemap() const noexcept { return file_ ? file_->face_size() > 0 : pixels_.is_cubemap; }
 
-  std::optional<Environment> file_;  // as it was read,
-  Pixels pixels_;                    // or what was made of it
+  Pixels pixels_;
   Source description_;
   std::optional<SkyReport> sky_;
   LatLongImage image_;
@@ -78,70 +76,80 @@ std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const Bak
 BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control) {
   read(options, part_of(control, 0.0, kTurning));
   if (options.sun.take_out) {
-    sun_ = file_ ? extract_sun(*file_, options.sun.options) : extract_sun(pixels_, options.sun.options);
+    replace_infinities(pixels_);
+    sun_ = extract_sun(pixels_, options.sun.options);
   }
   orient(options, part_of(control, kTurning, 1.0));
 }
 
-std::uint64_t BakeSource::bytes() const noexcept {
-  if (file_) return values_of(*file_).size_bytes();
-  return pixels_.cubemap.bytes() + sizeof(float) * (pixels_.lat_long.pixels.size() + image_.pixels.size());
+std::uint64_t BakeSource::bytes() const {
+  return sizeof(float) * (3 * shape_of(view()).texels() + image_.pixels.size());
 }
 
 void BakeSource::read(const BakeCommandOptions& options, const Control& control) {
   if (!options.input) {
     ComputedImage computed = options.compute ? options.compute(control) : built_in_sky(control);
-    pixels_.lat_long = std::move(computed.image);
+    if (!options.image_name.empty()) image_ = computed.image;
+    pixels_.image = std::move(computed.image);
     description_ = std::move(computed.source);
     sky_ = std::move(computed.sky);
     sun_ = computed.sun;
-    if (!options.image_name.empty()) image_ = pixels_.lat_long;
     return;
   }
-  file_ = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
-  description_ = source_of(*options.input, file_->info);
-  stored_light_ = light_stored_in(file_->info, options, control);
+  Environment file = read_environment(input_of(*options.input, options.common.read), options.common.read, control);
+  description_ = source_of(*options.input, file.info);
+  stored_light_ = light_stored_in(file.info, options, control);
+  pixels_.image = std::move(file);
 }
 
 void BakeSource::orient(const BakeCommandOptions& options, const Control& control) {
   OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
-  if (sun_) sun_->direction = light_rotation(into_welkin, is_cubemap()) * sun_->direction;
-  const glm::dmat3 matrix = image_rotation(into_welkin, is_cubemap(), is_cubemap());
+  const bool is_cubemap = pixels_.is_cubemap();
+  const glm::dmat3 rotation = light_rotation(into_welkin, is_cubemap);
+  if (sun_) sun_->direction = rotation * sun_->direction;
+  const glm::dmat3 matrix = image_rotation(into_welkin, is_cubemap, is_cubemap);
   if (matrix == glm::dmat3(1.0)) return;
-  if (stored_light_) {
-    SphericalHarmonics& radiance = stored_light_->radiance;
-    radiance = rotate(radiance, light_rotation(into_welkin, is_cubemap()));
-  }
+  if (stored_light_) stored_light_->radiance = rotate(stored_light_->radiance, rotation);
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
   if (2 * bytes() > limit) {
     throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
                                                " bytes while it is rotated, above the limit of " +
                                                std::to_string(limit) + "; raise " + options.common.memory_option);
   }
-  Pixels rotated;
-  rotated.is_cubemap = is_cubemap();
-  if (rotated.is_cubemap) {
-    const CubemapView view = file_ ? file_->cubemap() : pixels_.cubemap.view();
-    rotated.cubemap = to_cubemap(view, view.size, matrix, ResampleFilter::area, control);
+  const SourceShape shape = shape_of(view());
+  if (is_cubemap) {
+    pixels_.image = to_cubemap(view(), shape.columns, matrix, ResampleFilter::area, control);
   } else {
-    const LatLongView view = file_ ? file_->lat_long() : pixels_.lat_long.view();
-    rotated.lat_long = to_lat_long(view, view.width, view.height, matrix, ResampleFilter::area, control);
+    pixels_.image = to_lat_long(view(), shape.columns, shape.rows, matrix, ResampleFilter::area, control);
   }
-  pixels_ = std::move(rotated);
-  file_.reset();
 }
 
-/// What each step of the work takes by itself.
+/// What steps of the work take beside the library's bake.
 struct BakeMemory {
   std::string path{};             ///< of the source, for the message
   std::uint64_t source = 0;       ///< held until all is baked
-  std::uint64_t bake = 0;         ///< `bake_bytes`
-  std::uint64_t second_bake = 0;  ///< the same of the .env's or .glb's chain; 0 if there is none
-  int env_size = 0;               ///< of that chain
-  int env_mips = 0;
-  int levels = 1;              ///< of the source's file
-  std::uint64_t lat_long = 0;  ///< that is written; 0 if there is none
+  std::uint64_t second_bake = 0;  ///< of the .env's or .glb's chain: results and working memory; 0 if there is none
+  int levels = 1;                 ///< of the source's file
+  std::uint64_t lat_long = 0;     ///< that is written; 0 if there is none
+};
+
+/// The .env's or .glb's chain beside the bake's own.
+struct EnvChain {
+  PrefilterOptions options;
+  std::string pass;          ///< what its bake is called
+  bool wanted = false;       ///< such a file is asked for, and materials would read it
+  bool is_specular = false;  ///< the bake's own chain would do
+
+  [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
+};
+
+/// What is to be made.
+struct FolderPlan {
+  Plan light{};  ///< by the library's bake
+  EnvChain env{};
+  Plan whole{};  ///< with the chains beside it
+  BakeMemory memory{};
 };
 
 constexpr std::uint64_t kTexelBytes = 3 * sizeof(float);
@@ -186,19 +194,22 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
 
 /// The step that takes most: of the bake itself, the .env's or .glb's chain, lat-longs, or cubemaps that are turned on
 /// the way out. Not counted: previews, and what an encoder holds of a file. `limit` matters to the remedy.
-MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake,
-                        std::uint64_t limit) {
+MemoryStep largest_step(const FolderPlan& folder, const BakeCommandOptions& options, std::uint64_t limit) {
+  const BakeMemory& memory = folder.memory;
+  const BakeOptions& bake = folder.light.options;
   const int size = background_size(bake);
   const std::uint64_t background = chain_bytes(size, size > 0 ? full_chain_levels(size) : 0);
   const std::uint64_t specular = bake.specular ? chain_bytes(bake.specular->size, bake.specular->mips.value()) : 0;
   const std::uint64_t irradiance = bake.irradiance ? cubemap_bytes(bake.irradiance->size) : 0;
   const std::uint64_t results = background + specular + irradiance;
   const bool turns = face_rotation(options) != glm::dmat3(1.0);
-  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(memory.env_size, memory.env_mips) : 0;
+  const PrefilterOptions& second = folder.env.options;
+  const std::uint64_t env = memory.second_bake > 0 ? chain_bytes(second.size, second.mips.value()) : 0;
 
   const bool is_large = options.input && memory.source > results;
   const char* const smaller = !is_large ? kSmallerResults : memory.levels > 1 ? kSmallerLevel : kSmallerSource;
-  MemoryStep worst{memory.source + memory.bake, "source, results and working memory", smaller};
+  MemoryStep worst{memory.source + folder.light.result_bytes + folder.light.working_bytes,
+                   "source, results and working memory", smaller};
   const bool has_glb = contains(options.files, Content::gltf_light);
   const char* const without_env = worst.bytes > limit || !is_large ? smaller
                                   : has_glb                        ? "pass --formats, which writes no environment.glb"
@@ -224,15 +235,15 @@ MemoryStep largest_step(const BakeMemory& memory, const BakeCommandOptions& opti
 }
 
 /// Throws `Error` (limit_exceeded) if a step would take more than the limit.
-void check_memory(const BakeMemory& memory, const BakeCommandOptions& options, const BakeOptions& bake) {
+void check_memory(const FolderPlan& folder, const BakeCommandOptions& options) {
   const std::uint64_t limit = options.common.read.memory_limit_bytes;
-  const MemoryStep worst = largest_step(memory, options, bake, limit);
+  const MemoryStep worst = largest_step(folder, options, limit);
   if (worst.bytes <= limit) return;
   constexpr unsigned kMebi = 20;
-  throw Error(ErrorCode::limit_exceeded, memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
-                                             " bytes, above the limit of " + std::to_string(limit) + "; " +
-                                             worst.remedy + ", or raise " + options.common.memory_option + " to " +
-                                             std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
+  throw Error(ErrorCode::limit_exceeded,
+              folder.memory.path + ": " + worst.what + " take " + std::to_string(worst.bytes) +
+                  " bytes, above the limit of " + std::to_string(limit) + "; " + worst.remedy + ", or raise " +
+                  options.common.memory_option + " to " + std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
 }
 
 // Shares of the progress.
@@ -307,16 +318,6 @@ SceneNeeds needs_of(const BakeCommandOptions& options) {
   return needs;
 }
 
-/// The .env's or .glb's chain beside the bake's own.
-struct EnvChain {
-  PrefilterOptions options;
-  std::string pass;          ///< what its bake is called
-  bool wanted = false;       ///< such a file is asked for, and materials would read it
-  bool is_specular = false;  ///< the bake's own chain would do
-
-  [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
-};
-
 EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, const Plan& planned) {
   const std::optional<PrefilterOptions>& specular = planned.options.specular;
   if (!contains_rgbd(options.files) || !specular) return {};  // a fit to lookups would take milliseconds
@@ -376,8 +377,7 @@ void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& option
   baked.options = baked.plan.options;
   explain(options, baked.plan);
   const std::uint64_t held = baked.plan.streams ? 0 : baked.plan.pass("read").bytes;
-  check_memory({.path = baked.source.path, .source = held, .bake = baked.plan.result_bytes + baked.plan.working_bytes},
-               options, baked.options);
+  check_memory({.light = baked.plan, .memory = {.path = baked.source.path, .source = held}}, options);
   with_cache(options.common, baked.notes, [&](ResultCache* cache) {
     baked.light = timed(baked.passes, kBakePass, "results that the scene needs", [&] {
       return cache != nullptr ? cache->bake(file, baked.plan, control) : bake(file, baked.plan, control);
@@ -411,9 +411,7 @@ void note_dark_channels(const PrefilteredSpecular& chain, std::vector<std::strin
 }
 
 /// Of a chain without its sharpest mips there is no sharp environment.
-void note_blur(const BakeCommandOptions& options, Baked& baked) {
-  if (!options.input) return;
-  const StoredEnvironment file = header_of(options);
+void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked) {
   for (const std::string& note : file.info.notes) {
     if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
   }
@@ -422,14 +420,6 @@ void note_blur(const BakeCommandOptions& options, Baked& baked) {
   baked.notes.push_back("the input's pixels are prefiltered with roughness " + significant(file.roughness[level], 3) +
                         ", so all results are blurred by that");
 }
-
-/// What is to be made of pixels.
-struct FolderPlan {
-  Plan light;  ///< by the library's bake
-  EnvChain env;
-  Plan whole;  ///< with the chains beside it
-  BakeMemory memory;
-};
 
 /// `memory`: what is known of the source.
 FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& options, const SceneNeeds& needs,
@@ -445,9 +435,6 @@ FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& opti
   for (const LobeFamily lobe : options.lobes) {
     plan_chain(source, lobe_options(lobe, options, *asked.specular), lobe_pass(lobe), kLobeReason, folder.whole);
   }
-  folder.memory.bake = folder.light.result_bytes + folder.light.working_bytes;
-  folder.memory.env_size = env.options.size;
-  folder.memory.env_mips = env.options.mips.value_or(0);
   folder.memory.lat_long = lat_long_bytes(source, options, asked);
   return folder;
 }
@@ -470,30 +457,25 @@ FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& optio
   baked.env_left_out = contains_rgbd(options.files) && !folder.env.wanted;
   baked.env_is_specular = folder.env.is_specular;
   explain(options, baked.plan);
-  check_memory(folder.memory, options, baked.options);
+  check_memory(folder, options);
   return folder;
 }
 
-/// Refuses by a file's header what would be refused once its pixels are read.
-void check_header(const BakeCommandOptions& options, const SceneNeeds& needs, const BakeOptions& asked) {
-  if (!options.input) return;
-  const FolderPlan header = plan_header(header_of(options), options, needs, asked);
-  check_memory(header.memory, options, header.light.options);
-}
-
 /// From the pixels.
-void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& control) {
-  check_header(options, needs_of(options), baked.whole);
+void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
+  std::optional<StoredEnvironment> file;
+  if (options.input) {  // what would be refused once its pixels are read is refused by its header
+    file = header_of(options);
+    check_memory(plan_header(*file, options, needs, baked.whole), options);
+  }
   BakeSource source =
       timed(baked.passes, "read", "the input", [&] { return BakeSource(options, part_of(control, 0.0, kRead)); });
   baked.source = source.description();
   baked.sky = source.sky();
   baked.sun = source.sun();
   baked.sun_wanted = options.sun.take_out || baked.sun.has_value();
-  baked.whole = library_options(options);
-  const SceneNeeds needs = needs_of(options);
   if (takes_light(options, needs)) baked.stored_light = source.stored_light();
-  note_blur(options, baked);
+  if (file) note_blur(*file, options, baked);
   const FolderPlan work = plan_pixels(source, options, needs, baked);
   const double end = work.env.second() ? kBaked : 1.0;
   const std::string reason = options.scene.any() ? "results that the scene needs" : "all requested results";
@@ -528,7 +510,7 @@ void bake_pixels(BakeCommandOptions& options, Baked& baked, const Control& contr
 
 }  // namespace
 
-Plan plan_ahead(BakeCommandOptions options, const Control& control) {
+Plan plan_ahead(const BakeCommandOptions& options, const Control& control) {
   const SceneNeeds needs = needs_of(options);
   const BakeOptions asked = library_options(options);
   if (!options.input) {
@@ -539,15 +521,15 @@ Plan plan_ahead(BakeCommandOptions options, const Control& control) {
   return takes_stored(options, needs) ? plan(file, needs, asked) : plan_header(file, options, needs, asked).whole;
 }
 
-Prediction predict(BakeCommandOptions options) {
+Prediction predict(const BakeCommandOptions& options) {
   constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
   const StoredEnvironment file = header_of(options);
   const FolderPlan header = plan_header(file, options, needs_of(options), library_options(options));
-  const MemoryStep largest = largest_step(header.memory, options, header.light.options, kNoLimit);
+  const MemoryStep largest = largest_step(header, options, kNoLimit);
   return {file.info, file.shape.texels(), header.whole.result_bytes, largest.bytes};
 }
 
-Baked bake_source(BakeCommandOptions& options, const Control& control) {
+Baked bake_source(const BakeCommandOptions& options, const Control& control) {
   Baked baked;
   baked.whole = library_options(options);
   const SceneNeeds needs = needs_of(options);
@@ -555,9 +537,9 @@ Baked bake_source(BakeCommandOptions& options, const Control& control) {
     const StoredEnvironment file = header_of(options);
     baked.plan = plan(file, needs, baked.whole);
     bake_stored(file, options, baked, control);
-    return baked;
+  } else {
+    bake_pixels(options, needs, baked, control);
   }
-  bake_pixels(options, baked, control);
   return baked;
 }
 

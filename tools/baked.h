@@ -71,7 +71,7 @@ auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::
 }
 
 /// The plan by itself; of a file only the header is read.
-[[nodiscard]] Plan plan_ahead(BakeCommandOptions options, const Control& control);
+[[nodiscard]] Plan plan_ahead(const BakeCommandOptions& options, const Control& control);
 
 /// What an input's header tells of its bake.
 struct Prediction {
@@ -82,11 +82,11 @@ struct Prediction {
 };
 
 /// Predicts a bake of a file. Throws as `plan_ahead`.
-[[nodiscard]] Prediction predict(BakeCommandOptions options);
+[[nodiscard]] Prediction predict(const BakeCommandOptions& options);
 
 /// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
 /// before, if it is to be explained.
-[[nodiscard]] Baked bake_source(BakeCommandOptions& options, const Control& control);
+[[nodiscard]] Baked bake_source(const BakeCommandOptions& options, const Control& control);
 
 // Parts of a bake that the command makes itself.
 

@@ -165,7 +165,4 @@ void show_status(const BatchPlan& plan, const std::filesystem::path& results, co
 void merge_batch(const BatchPlan& plan, const std::filesystem::path& results, const std::filesystem::path& folder,
                  int threads, bool allow_missing, bool as_json);
 
-/// "41 s", "3 min 5 s", "2 h 10 min"
-[[nodiscard]] std::string long_duration(double seconds);
-
 }  // namespace welkin::tool

@@ -154,7 +154,7 @@ Options batch_options(BatchCommandOptions& options) {
              "The I-th of N parts, with equal predicted times, to run or to print the status of; default 1/1");
   add_option(table, "--verify", &options.verify, "SHARE",
              "The fraction of results that run computes twice and compares; default 0",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
   add_option(table, "--allow-missing", &options.allow_missing, "",
              "Merge existing results; the index and the page name missing ones");
   add_option(table, "--memory", ByteCount{&options.memory}, "SIZE",

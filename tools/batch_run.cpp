@@ -341,13 +341,4 @@ BatchOutcome run_batch(const BatchPlan& plan, const BatchRun& run) {
   return ShardRun(plan, run, stop_on_signals()).run();
 }
 
-std::string long_duration(double seconds) {
-  constexpr long kMinute = 60;
-  constexpr long kHour = 60 * kMinute;
-  const auto whole = static_cast<long>(std::ceil(seconds));
-  if (whole < kMinute) return std::to_string(whole) + " s";
-  if (whole < kHour) return std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s";
-  return std::to_string(whole / kHour) + " h " + std::to_string(whole % kHour / kMinute) + " min";
-}
-
 }  // namespace welkin::tool

@@ -41,10 +41,9 @@ class Truths {
   Truths(const EnvironmentView& source, const PixelPolicy& pixels, const Control& control)
       : source_(source), pixels_(pixels), control_{control.stop, {}} {}
 
-  [[nodiscard]] Cubemap at(int size, double roughness, double rms_error, ChainLobe lobe = ChainLobe::ggx,
+  [[nodiscard]] Cubemap at(int size, double roughness, double rms_error, LobeFamily lobe = LobeFamily::ggx,
                            double unit = 1.0) const {
-    PrefilterOptions options{.size = size, .mips = 1, .roughness = {roughness}, .rms_error = rms_error};
-    if (lobe == ChainLobe::lambert) options.lobe = LobeFamily::lambert;
+    PrefilterOptions options{.size = size, .mips = 1, .roughness = {roughness}, .lobe = lobe, .rms_error = rms_error};
     options.pixels = pixels_;
     Cubemap truth = within(options);
     if (unit != 1.0) {
@@ -190,7 +189,7 @@ class RoughnessFit {
   }
 
   /// Whether that roughness is better than all before.
-  bool consider(double roughness, ChainLobe lobe = ChainLobe::ggx) {
+  bool consider(double roughness, LobeFamily lobe = LobeFamily::ggx) {
     const Cubemap truth = truths_.at(image_.size(), roughness, kFitError, lobe);
     const glm::dvec3 scale = sums_of(image_, truth, placement_).scale();
     const Sums sums = sums_of(image_, truth, placement_, scale);
@@ -274,23 +273,29 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   return seams;
 }
 
-/// The schedule that is nearest to the fitted roughness of the mips after the first.
-void find_schedule(ChainCheck& check) {
+/// The root mean square distance of the fitted roughness of the mips after the first to a table's; without any the
+/// largest number.
+double distance_to(const std::vector<double>& table, const std::vector<MipCheck>& mips) {
+  double squares = 0.0;
+  int fitted = 0;
+  for (std::size_t mip = 1; mip < mips.size(); ++mip) {
+    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels tells little of its lobe
+    const double distance = *mips[mip].fitted - table[mip];
+    squares += distance * distance;
+    ++fitted;
+  }
+  return fitted > 0 ? std::sqrt(squares / fitted) : std::numeric_limits<double>::max();
+}
+
+/// The schedule that is nearest to the fitted roughness of the mips after the first. Or the one that is stated, if its
+/// lobes for lookups between mips are much nearer than its own.
+void find_schedule(ChainCheck& check, const std::vector<double>& stated) {
   const int mips = static_cast<int>(check.mips.size());
+  const int size = check.mips.front().size;
   if (mips < 3 || mips > 16) return;
   double least = std::numeric_limits<double>::max();
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
-    const std::vector<double> table = mip_roughness(schedule, mips, check.mips.front().size);
-    double squares = 0.0;
-    int fitted = 0;
-    for (std::size_t mip = 1; mip < check.mips.size(); ++mip) {
-      // A mip of a few texels tells little of its lobe.
-      if (!check.mips[mip].fitted || check.mips[mip].size < 4) continue;
-      const double distance = *check.mips[mip].fitted - table[mip];
-      squares += distance * distance;
-      ++fitted;
-    }
-    const double distance = fitted > 0 ? std::sqrt(squares / fitted) : least;
+    const double distance = distance_to(mip_roughness(schedule, mips, size), check.mips);
     if (distance >= least) continue;
     least = distance;
     check.schedule = schedule;
@@ -298,6 +303,17 @@ void find_schedule(ChainCheck& check) {
   }
   constexpr double kNear = 0.05;
   if (least > kNear) check.schedule.reset();
+  const auto is_same = [](double a, double b) { return std::abs(a - b) < 1e-3; };
+  for (const RoughnessSchedule schedule : kRoughnessSchedules) {
+    if (!std::ranges::equal(stated, mip_roughness(schedule, mips, size), is_same)) continue;
+    const std::vector<double> lobes = fitted_mip_roughness(schedule, mips, size);
+    const double distance = distance_to(lobes, check.mips);
+    if (!(distance < 0.5 * distance_to(stated, check.mips)) || distance > kNear) continue;
+    check.schedule = schedule;
+    check.schedule_distance = distance;
+    check.fits_lookups = true;
+    for (std::size_t mip = 0; mip < lobes.size(); ++mip) check.mips[mip].lobe_roughness = lobes[mip];
+  }
 }
 
 std::string mips_words(const std::vector<std::size_t>& mips) {
@@ -343,11 +359,11 @@ void add_roughness_findings(ChainCheck& check, bool is_stated) {
   if (!is_stated) return;
   for (std::size_t mip = 0; mip < check.mips.size(); ++mip) {
     const MipCheck& each = check.mips[mip];
-    if (!each.fitted || std::abs(*each.fitted - each.roughness) < 0.01) continue;
+    if (!each.fitted || std::abs(*each.fitted - each.lobe_roughness) < 0.01) continue;
     const double without_scale = std::abs(each.errors.rms);
     if (without_scale < 2.0 * each.rest || without_scale < 0.01) continue;
     check.findings.push_back("roughness of mip " + std::to_string(mip) + " is " + significant(*each.fitted, 2) +
-                             ", not " + significant(each.roughness, 2));
+                             ", not " + significant(each.lobe_roughness, 2));
   }
 }
 
@@ -412,8 +428,8 @@ void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truth
   } else {
     fit.search(least);
     if (fit.is_telling()) mip.fitted = fit.best().roughness;
-    if (is_only_one && fit.consider(1.0, ChainLobe::lambert)) {
-      check.lobe = ChainLobe::lambert;
+    if (is_only_one && fit.consider(1.0, LobeFamily::lambert)) {
+      check.lobe = LobeFamily::lambert;
       mip.fitted.reset();
       const glm::dvec3& scale = fit.best().scale;
       if (scale.x + scale.y + scale.z > 3.0 * std::sqrt(std::numbers::pi)) check.unit = std::numbers::pi;
@@ -461,7 +477,7 @@ std::string scale_words(double scale) {
 Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const EnvironmentView& source, const PixelPolicy& pixels,
                  const Control& control) {
   const Cubemap truth =
-      Truths(source, pixels, control).at(mip.size, mip.roughness, kTruthError, check.lobe, check.unit);
+      Truths(source, pixels, control).at(mip.size, mip.lobe_roughness, kTruthError, check.lobe, check.unit);
   Cubemap placed(mip.size);
   for_each_texel(
       truth, truth, check.placement,
@@ -500,14 +516,15 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
     fit_mip(check.mips[mip], images[mip], check, truths, least, images.size() == 1);
     least = std::max(0.0, check.mips[mip].fitted.value_or(0.0) - 0.05);
   }
-  find_schedule(check);
+  find_schedule(check, stated);
   const std::vector<double> table =
       check.schedule ? mip_roughness(*check.schedule, static_cast<int>(images.size()), images.front().size())
                      : std::vector<double>();
   for (std::size_t mip = 0; mip < images.size(); ++mip) {
     MipCheck& each = check.mips[mip];
     if (stated.empty()) each.roughness = !table.empty() ? table[mip] : each.fitted.value_or(1.0);
-    const Cubemap truth = truths.at(each.size, each.roughness, kTruthError, check.lobe, check.unit);
+    if (!check.fits_lookups) each.lobe_roughness = each.roughness;
+    const Cubemap truth = truths.at(each.size, each.lobe_roughness, kTruthError, check.lobe, check.unit);
     each.errors = errors_of(images[mip], truth, check.placement);
     const Cubemap nearest = each.fitted ? truths.at(each.size, *each.fitted, kFitError) : Cubemap();
     const Cubemap& compared = each.fitted ? nearest : truth;

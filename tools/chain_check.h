@@ -64,7 +64,8 @@ struct MipErrors {
 
 struct MipCheck {
   int size = 0;
-  double roughness = 0.0;        ///< as stated, else of the best schedule: the truth of `errors` has it
+  double roughness = 0.0;        ///< as stated, else of the best schedule
+  double lobe_roughness = 0.0;   ///< that the truth of `errors` has: the same, or what is fitted to lookups
   std::optional<double> fitted;  ///< the roughness whose truth is nearest, free of scale
   glm::dvec3 scale{1.0};         ///< means over the truth's
   MipErrors errors{};
@@ -75,18 +76,16 @@ struct MipCheck {
   std::uint64_t odd_values = 0;        ///< NaN and infinities, counted as 0
 };
 
-/// Kernels of a chain's mips.
-enum class ChainLobe { ggx, lambert };
-
 struct ChainCheck {
   ChainPlacement placement{};
-  ChainLobe lobe = ChainLobe::ggx;
+  LobeFamily lobe = LobeFamily::ggx;  ///< or `lambert`
   double unit = 1.0;      ///< what a uniform environment of 1 gives: pi for irradiance that is not divided by it
   glm::dvec3 scale{1.0};  ///< the median of the mips'
   std::vector<MipCheck> mips{};
   std::optional<RoughnessSchedule> schedule{};  ///< the one that is nearest to the fitted roughness, if one is near
   double schedule_distance = 0.0;               ///< the root mean square distance in roughness
-  std::vector<std::string> findings{};          ///< what is wrong, in words
+  bool fits_lookups = false;  ///< the lobes are those of `fitted_mip_roughness` for the schedule that is stated
+  std::vector<std::string> findings{};  ///< what is wrong, in words
 
   /// The largest rms error of a mip.
   [[nodiscard]] double rms() const;

@@ -41,23 +41,19 @@ std::size_t index_of(const FaceMapping& place) {
 
 /// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
 std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
-  constexpr int kSize = 3;  // two texels of it tell all eight symmetries apart
+  constexpr int kSize = 2;
   std::array<FaceMapping, 6> places{};
   for (int face = 0; face < 6; ++face) {
     const auto shown = [&](int column, int row) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
       return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
     };
-    const CubeTexel left = shown(0, 1);
-    const CubeTexel top = shown(1, 0);
-    for (int symmetry = 0; symmetry < kSymmetries; ++symmetry) {
-      const FaceMapping place = face_place(kSymmetries * left.face + symmetry);
-      const CubeTexel a = shown_by(place, kSize, 0, 1);
-      const CubeTexel b = shown_by(place, kSize, 1, 0);
-      if (a.column == left.column && a.row == left.row && b.column == top.column && b.row == top.row) {
-        places[static_cast<std::size_t>(face)] = place;
-      }
-    }
+    // The first texel's neighbours lie on its right and below it, unless the face is mirrored or transposed.
+    const CubeTexel first = shown(0, 0);
+    const CubeTexel right = shown(1, 0);
+    const CubeTexel below = shown(0, 1);
+    places[static_cast<std::size_t>(face)] = {first.face, right.column + below.column < 2 * first.column,
+                                              right.row + below.row < 2 * first.row, right.column == first.column};
   }
   return places;
 }

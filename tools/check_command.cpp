@@ -120,6 +120,7 @@ Json mip_json(const MipCheck& mip, std::size_t index) {
   return {{"mip", index},
           {"size", mip.size},
           {"roughness", mip.roughness},
+          {"lobe_roughness", mip.lobe_roughness},
           {"fitted_roughness", mip.fitted},
           {"scale", json_triple(mip.scale)},
           {"rms", mip.errors.rms},
@@ -152,11 +153,12 @@ std::string check_json(const CheckOptions& options, const ChainFile& chain, cons
                     {"format", chain.words},
                     {"rms", check.rms()},
                     {"placement", words_of(check.placement)},
-                    {"lobe", check.lobe == ChainLobe::ggx ? "ggx" : "lambert"},
+                    {"lobe", name(check.lobe)},
                     {"unit", check.unit},
                     {"scale", json_triple(check.scale)},
                     {"schedule", check.schedule ? Json(name(*check.schedule)) : Json()},
                     {"schedule_distance", check.schedule ? Json(check.schedule_distance) : Json()},
+                    {"fits_lookups", check.fits_lookups},
                     {"findings", check.findings},
                     {"polynomial", polynomial ? harmonics_json(*polynomial) : Json()},
                     {"mips", mips}});
@@ -193,10 +195,10 @@ std::string check_table(const CheckOptions& options, const ChainFile& chain, con
   for (std::size_t mip = 0; mip < check.mips.size(); ++mip) text += mip_line(check.mips[mip], mip);
   text += '\n';
   if (check.schedule) {
-    text += std::string("Roughness follows the schedule ") + name(*check.schedule) + " to within " +
-            significant(check.schedule_distance, 2) + ".\n";
+    text += (check.fits_lookups ? "Lobes are fitted to lookups by the schedule " : "Roughness follows the schedule ") +
+            std::string(name(*check.schedule)) + " to within " + significant(check.schedule_distance, 2) + ".\n";
   }
-  if (check.lobe == ChainLobe::lambert) {
+  if (check.lobe == LobeFamily::lambert) {
     text += std::string("It holds irradiance, ") + (check.unit == 1.0 ? "divided by pi" : "not divided by pi") + ".\n";
   }
   text += findings_text(check.findings, "orientation, scale, roughness and edges");

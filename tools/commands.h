@@ -23,6 +23,6 @@ struct BakeCommandOptions;
 
 /// Bakes what the options name or compute into their folder; many may run side by side, in folders of their own.
 /// `settle_files` has been called. Returns the manifest or, for a person, a table. Throws `Error`.
-[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& asked, const Control& control);
+[[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& options, const Control& control);
 
 }  // namespace welkin::tool

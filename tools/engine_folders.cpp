@@ -89,9 +89,6 @@ const EngineFolder* folder_of(Engine engine) noexcept {
   return found == all.end() ? nullptr : &*found;
 }
 
-constexpr const char* kFirstWords = "# Light for ";
-constexpr const char* kLastWords = ", made by Welkin";
-
 }  // namespace
 
 bool has_folder(Engine engine) noexcept { return folder_of(engine) != nullptr; }
@@ -104,14 +101,11 @@ std::vector<OutputFile> files_for(Engine engine) {
 
 bool takes_any_texture(Engine engine) noexcept { return folder_of(engine)->textures == Textures::any; }
 
-bool is_own_readme(const std::string& first_line) noexcept {
-  return first_line.starts_with(kFirstWords) && first_line.ends_with(kLastWords);
-}
-
 std::string readme_text(Engine engine, const std::vector<std::string>& written) {
   const Convention& axes = convention(engine);
-  std::string text = kFirstWords + std::string(axes.title) + kLastWords + "\n\n";
-  // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; the last with none.
+  std::string text = std::string("# Light for ") + axes.title + kReadmeSign + '\n';
+  // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; what has
+  // none is shown beside any other.
   std::istringstream lines(embedded_text(std::string("engines/") + axes.name + ".md"));
   bool is_shown = false;
   bool any_shown = false;

@@ -15,6 +15,7 @@
 namespace welkin::tool {
 
 inline constexpr const char* kReadmeName = "README.md";
+inline constexpr const char* kReadmeSign = ", made by Welkin\n";  ///< the end of its first line
 inline constexpr const char* kAtlasName = "env_atlas.png";
 
 /// Whether files are known that the engine loads as they are. (Not of Welkin itself and of OpenEXR, which is none.)
@@ -29,9 +30,6 @@ inline constexpr const char* kAtlasName = "env_atlas.png";
 /// The text of README.md: for each file that was written how the engine loads it, and how that is known. `written`: the
 /// names in the folder; lines that would name another file are left out.
 [[nodiscard]] std::string readme_text(Engine engine, const std::vector<std::string>& written);
-
-/// Whether a README.md that begins like this is one of ours, which may be written over.
-[[nodiscard]] bool is_own_readme(const std::string& first_line) noexcept;
 
 /// A stage with a dome light, whose texture lies beside it.
 [[nodiscard]] std::string usd_stage(const std::string& lat_long);

@@ -21,6 +21,7 @@
 #include "tools/terminal.h"
 #include "tools/test_map.h"
 #include "tools/text.h"
+#include "welkin/bake.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
 #include "welkin/image.h"
@@ -163,13 +164,14 @@ struct ConvertOptions {
   std::optional<double> exposure_stops;  ///< none: by the image
 };
 
-/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it. `image`: the view of `rgb`.
-void tone_map(const ConvertOptions& options, const EnvironmentView& image, std::span<float> rgb) {
+/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it.
+void tone_map(const ConvertOptions& options, Pixels& image) {
   constexpr int kEnough = 32;  // as for the previews
   if (!options.tone_map) return;
   begin_stage("tone map");
   const std::optional<double>& stops = options.exposure_stops;
-  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(to_cubemap(image, kEnough).view())};
+  const ToneMap shown{stops ? std::exp2(*stops) : exposure_of(to_cubemap(image.view(), kEnough).view())};
+  const std::span<float> rgb = image.values();
   for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
     const glm::vec3 light = shown(glm::vec3(rgb[i], rgb[i + 1], rgb[i + 2]));
     for (int c = 0; c < 3; ++c) rgb[i + static_cast<std::size_t>(c)] = light[c];
@@ -177,34 +179,33 @@ void tone_map(const ConvertOptions& options, const EnvironmentView& image, std::
 }
 
 /// Nothing is resampled, or moved, unless something asks for it.
-std::string write_converted(const ConvertOptions& options, const Environment& source, const Control& control) {
-  const int face = source.face_size();
-  const bool cubemap = wants_cubemap(options.output, face > 0);
-  const glm::dmat3 rotation = image_rotation(options.orientation, face > 0, cubemap);
+std::string write_converted(const ConvertOptions& options, Pixels& source, const Control& control) {
+  const SourceShape from = shape_of(source.view());
+  const bool cubemap = wants_cubemap(options.output, from.cubemap);
+  const glm::dmat3 rotation = image_rotation(options.orientation, from.cubemap, cubemap);
   const int asked = options.output.size;
-  const int size = asked > 0 ? asked : face > 0 ? face : (source.info.width + 3) / 4;  // of a cubemap
-  const int width = asked > 0 ? asked : face > 0 ? 4 * face : source.info.width;       // of a lat-long
-  const int height = asked > 0 || face > 0 ? lat_long_height(width) : source.info.height;
+  const int size = asked > 0 ? asked : from.cubemap ? from.columns : (from.columns + 3) / 4;  // of a cubemap
+  const int width = asked > 0 ? asked : from.cubemap ? 4 * from.columns : from.columns;       // of a lat-long
+  const int height = asked > 0 || from.cubemap ? lat_long_height(width) : from.rows;
   const bool same_shape =
-      cubemap ? face == size : face == 0 && width == source.info.width && height == source.info.height;
+      cubemap == from.cubemap && (cubemap ? size == from.columns : width == from.columns && height == from.rows);
   const Control last = part_of(control, kResampled, 1.0);
   if (same_shape && rotation == glm::dmat3(1.0)) {
-    tone_map(options, source.view(), values_of(source));
+    tone_map(options, source);
     return write_output(options.output, source.view(), last);
   }
   const std::uint64_t texels =
       cubemap ? 6 * square(size) : static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  require_memory(options.common, options.output, texels, values_of(source).size() / 3);
+  require_memory(options.common, options.output, texels, from.texels());
   const Control middle = part_of(control, kRead, kResampled);
   begin_stage("resample");
   Pixels result;
-  result.is_cubemap = cubemap;
   if (cubemap) {
-    result.cubemap = to_cubemap(source.view(), size, rotation, ResampleFilter::area, middle);
+    result.image = to_cubemap(source.view(), size, rotation, ResampleFilter::area, middle);
   } else {
-    result.lat_long = to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, middle);
+    result.image = to_lat_long(source.view(), width, height, rotation, ResampleFilter::bilinear, middle);
   }
-  tone_map(options, result.view(), result.values());
+  tone_map(options, result);
   return write_output(options.output, result.view(), last);
 }
 
@@ -225,12 +226,12 @@ std::string convert(const ConvertOptions& options, const Control& control) {
   check_output(options.output, wants_cubemap(options.output, info.layout != Layout::lat_long));
   check_input_is_kept(options, info);
   begin_stage("read");
-  Environment source = read_environment(input, options.common.read, part_of(control, 0.0, kRead));
-  const bool is_cubemap = source.face_size() > 0;
+  Pixels source{read_environment(input, options.common.read, part_of(control, 0.0, kRead))};
   std::optional<Sun> sun;
   if (options.sun.take_out) {
+    replace_infinities(source);
     sun = extract_sun(source, options.sun.options);
-    if (sun) sun->direction = light_rotation(options.orientation, is_cubemap) * sun->direction;
+    if (sun) sun->direction = light_rotation(options.orientation, source.is_cubemap()) * sun->direction;
   }
   return write_converted(options, source, control) +
          (options.sun.take_out ? sun_text(sun, convention(options.orientation.to).from_welkin[1].z > 0.5) : "");
@@ -324,7 +325,7 @@ Command convert_command() {
   add_option(table, "--exposure", &options->exposure_stops, "EV",
              "Exposure of --tone-map in stops, radiance times 2^EV; default: as 'welkin bake' exposes "
              "its previews",
-             {.bounds = finite_between(-60.0, 60.0), .needs = {"--tone-map"}});
+             {.bounds = number_between(-60.0, 60.0), .needs = {"--tone-map"}});
   in_group(table, "Input and output");
   add_orientation_options(table, options->orientation);
   add_sun_options(table, options->sun);

@@ -219,17 +219,14 @@ std::span<float> values_of(const Environment& environment) {
   return {environment.pixels.get(), 3 * texels};
 }
 
-Pixels pixels_of(const Environment& environment) {
-  const std::span<const float> values = values_of(environment);
-  Pixels pixels;
-  if (const int size = environment.face_size(); size > 0) {
-    pixels.is_cubemap = true;
-    pixels.cubemap = Cubemap(size, values);
-  } else {
-    const LatLongView view = environment.lat_long();
-    pixels.lat_long = {view.width, view.height, {values.begin(), values.end()}};
-  }
-  return pixels;
+EnvironmentView Pixels::view() const {
+  return std::visit([](const auto& one) { return EnvironmentView(one.view()); }, image);
+}
+
+std::span<float> Pixels::values() {
+  if (auto* const lat_long = std::get_if<LatLongImage>(&image)) return lat_long->pixels;
+  if (auto* const cubemap = std::get_if<Cubemap>(&image)) return cubemap->pixels();
+  return values_of(std::get<Environment>(image));
 }
 
 std::uint64_t replace_infinities(Pixels& pixels, float largest) {
@@ -243,17 +240,16 @@ std::uint64_t replace_infinities(Pixels& pixels, float largest) {
 }
 
 std::optional<Sun> extract_sun(Pixels& pixels, const SunOptions& options) {
-  return pixels.is_cubemap ? welkin::extract_sun(pixels.cubemap, options)
-                           : welkin::extract_sun(pixels.lat_long, options);
-}
-
-std::optional<Sun> extract_sun(Environment& environment, const SunOptions& options) {
-  constexpr float kLargestHalf = 65504.0F;
-  Pixels pixels = pixels_of(environment);
-  replace_infinities(pixels, kLargestHalf);
-  const std::optional<Sun> sun = extract_sun(pixels, options);
-  std::ranges::copy(pixels.values(), environment.pixels.get());
-  return sun;
+  if (const auto* const file = std::get_if<Environment>(&pixels.image)) {
+    const std::span<const float> values = values_of(*file);
+    if (pixels.is_cubemap()) {
+      pixels.image = Cubemap(file->face_size(), values);
+    } else {
+      pixels.image = LatLongImage{file->info.width, file->info.height, {values.begin(), values.end()}};
+    }
+  }
+  if (auto* const cubemap = std::get_if<Cubemap>(&pixels.image)) return welkin::extract_sun(*cubemap, options);
+  return welkin::extract_sun(std::get<LatLongImage>(pixels.image), options);
 }
 
 void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::string>& excludes) {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "tools/arguments.h"
@@ -116,33 +117,26 @@ struct Source {
 
 [[nodiscard]] Source source_of(const std::string& named, const EnvironmentInfo& info);
 
-/// An environment in memory, where more is asked of it than one pass over its rows.
+/// An environment in memory, as it was read or as it was made, where more is asked of it than one pass over its rows.
 struct Pixels {
-  bool is_cubemap = false;
-  LatLongImage lat_long;
-  Cubemap cubemap;
+  std::variant<LatLongImage, Cubemap, Environment> image;
 
-  /// Whichever it is.
-  [[nodiscard]] EnvironmentView view() const {
-    return is_cubemap ? EnvironmentView(cubemap.view()) : EnvironmentView(lat_long.view());
-  }
-  [[nodiscard]] std::span<float> values() noexcept { return is_cubemap ? cubemap.pixels() : lat_long.pixels; }
+  [[nodiscard]] EnvironmentView view() const;
+  [[nodiscard]] bool is_cubemap() const { return view().kind() == EnvironmentKind::cubemap; }
+  [[nodiscard]] std::span<float> values();
 };
 
 /// All values of what was read.
 [[nodiscard]] std::span<float> values_of(const Environment& environment);
 
-/// A copy of what was read.
-[[nodiscard]] Pixels pixels_of(const Environment& environment);
+inline constexpr float kForInfinity = 65504.0F;  ///< the largest half
 
 /// Puts `largest` in the place of +infinity and 0 in that of -infinity: a sun that overflowed has a value then.
 /// How many there were.
-std::uint64_t replace_infinities(Pixels& pixels, float largest);
+std::uint64_t replace_infinities(Pixels& pixels, float largest = kForInfinity);
 
+/// What was read is copied first.
 [[nodiscard]] std::optional<Sun> extract_sun(Pixels& pixels, const SunOptions& options);
-
-/// The same in what was read, infinities being 65504, the largest half.
-[[nodiscard]] std::optional<Sun> extract_sun(Environment& environment, const SunOptions& options);
 
 /// What becomes of the sun.
 struct SunChoice {

@@ -80,9 +80,9 @@ void add_needs_options(Options& table, NeedsChoice& choice) {
              "The minimum and the maximum roughness of the materials; mips outside this range are not made (all are "
              "for an engine, which counts "
              "them)",
-             {.bounds = finite_between(0.0, 1.0), .list = List::commas, .count = 2, .excludes = {"--no-glossy"}});
+             {.bounds = number_between(0.0, 1.0), .list = List::commas, .count = 2, .excludes = {"--no-glossy"}});
   add_option(table, "--no-background", &choice.no_background, "", "The scene does not show the environment itself");
-  add_option(table, "--no-diffuse", &choice.no_diffuse, "", "No diffuse light is used");
+  add_option(table, "--no-diffuse", &choice.no_diffuse, "", "No diffuse light is used", {.excludes = {"--irradiance"}});
   add_option(table, "--explain", &choice.explain, "",
              "Print which passes run, are reused or skipped, and why; after the bake, print their "
              "times");

@@ -56,10 +56,6 @@ const float* texel(const CubemapView& level, std::size_t face, int column, int r
 
 glm::vec3 colour(const float* rgb) { return {rgb[0], rgb[1], rgb[2]}; }
 
-int nearest(float u, int size) {
-  return std::clamp(static_cast<int>((u + 1.0F) * 0.5F * static_cast<float>(size)), 0, size - 1);
-}
-
 /// A texel that may lie one beyond the face's edge: it is then the neighbour's, and at a corner, where three faces
 /// meet and there is no fourth texel, the mean of the three.
 glm::vec3 texel_or_neighbour(const CubemapView& level, std::size_t face, int column, int row) {
@@ -72,11 +68,8 @@ glm::vec3 texel_or_neighbour(const CubemapView& level, std::size_t face, int col
             texel_or_neighbour(level, face, inner_column, row)) /
            3.0F;
   }
-  const image::Frame& frame = image::face_frame(static_cast<int>(face));
-  const double u = (2.0 * column + 1.0) / size - 1.0;
-  const double v = (2.0 * row + 1.0) / size - 1.0;
-  const FacePoint place = place_of(glm::vec3(frame.normal + u * frame.u + v * frame.v));
-  return colour(texel(level, place.face, nearest(place.u, size), nearest(place.v, size)));
+  const image::CubeTexel beyond = image::across_edge(size, {static_cast<int>(face), column, row});
+  return colour(texel(level, static_cast<std::size_t>(beyond.face), beyond.column, beyond.row));
 }
 
 glm::vec3 mixed(const glm::vec3& from, const glm::vec3& to, float share) { return from + (to - from) * share; }

@@ -52,7 +52,7 @@ void add_sh_options(Options& table, ShOptions& options) {
 constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
 
 // What `project` would put in an infinity's place.
-float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : 65504.0F; }
+float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : kForInfinity; }
 
 // Takes the sun out, if asked for, and projects what is left; measures the irradiance's error on the way.
 void project_pixels(Pixels& pixels, const ShOptions& options, const Control& control, ShReport& report) {
@@ -98,10 +98,9 @@ bool is_cubemap(const EnvironmentInfo& info) { return info.layout != Layout::lat
 bool project_source(const ShOptions& options, const Control& control, ShReport& report) {
   const bool in_memory = options.sun.take_out || options.irradiance_error;
   if (!options.input) {
-    Pixels pixels;
     begin_stage("sky");
     ComputedImage sky = built_in_sky(part_of(control, 0.0, kComputed));
-    pixels.lat_long = std::move(sky.image);
+    Pixels pixels{std::move(sky.image)};
     report.source = sky.source;
     report.sky = sky.sky;
     project_pixels(pixels, options, part_of(control, kComputed, 1.0), report);
@@ -111,15 +110,12 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const FileInput input = input_of(*options.input, read);
   if (in_memory) {
     require_memory_twice(inspect_environment(input, read), read);
-    Pixels pixels;
-    {
-      begin_stage("read");
-      const Environment environment = read_environment(input, read);
-      report.source = source_of(*options.input, environment.info);
-      pixels = pixels_of(environment);
-    }
+    begin_stage("read");
+    Environment environment = read_environment(input, read);
+    report.source = source_of(*options.input, environment.info);
+    Pixels pixels{std::move(environment)};
     project_pixels(pixels, options, control, report);
-    return pixels.is_cubemap;
+    return pixels.is_cubemap();
   }
   begin_stage("read and project");
   const EnvironmentInfo info = inspect_environment(input, read);
@@ -133,20 +129,13 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   return is_cubemap(info);
 }
 
-void rotate(const glm::dmat3& matrix, ShReport& report) {
-  if (matrix == glm::dmat3(1.0)) return;
-  report.projection.radiance = rotate(report.projection.radiance, matrix);
-  if (report.sun) report.sun->direction = matrix * report.sun->direction;
-}
-
 /// Reads, projects, turns, windows. Throws what the library throws.
 ShReport measure_sh(const ShOptions& options, const Control& control) {
   ShReport report;
   report.options = options.projection;
   report.sun_wanted = options.sun.take_out;
-  const bool cubemap = project_source(options, control, report);
-  rotate(light_rotation(options.orientation, cubemap), report);
-  complete(report, options);
+  const bool is_of_cubemap = project_source(options, control, report);
+  complete(report, options, is_of_cubemap);
   return report;
 }
 
@@ -194,12 +183,16 @@ const char* quadrature_name(const ShReport& report) noexcept {
   return report.options.quadrature == Quadrature::exact ? "exact" : "midpoint";
 }
 
-void complete(ShReport& report, const ShOptions& options) {
+void complete(ShReport& report, const ShOptions& options, bool is_of_cubemap) {
   report.window = options.window;
   report.engine = options.orientation.to;
   report.axes = axes_text(options.orientation);
   report.threads = thread_count(options.common);
   SphericalHarmonics& radiance = report.projection.radiance;
+  if (const glm::dmat3 matrix = light_rotation(options.orientation, is_of_cubemap); matrix != glm::dmat3(1.0)) {
+    radiance = rotate(radiance, matrix);
+    if (report.sun) report.sun->direction = matrix * report.sun->direction;
+  }
   report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
   report.windowed = apply_window(radiance, options.window, options.window_width);
   radiance = report.windowed.radiance;

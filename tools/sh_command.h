@@ -72,8 +72,8 @@ void add_bands_option(Options& table, ShOptions& options);
 /// --window and --window-width.
 void add_window_options(Options& table, ShOptions& options);
 
-/// Fills in what follows from `report.projection.radiance`, which is in the result's axes, and from the options:
-/// window, dominant light, irradiance, the forms of engines.
-void complete(ShReport& report, const ShOptions& options);
+/// Takes `report.projection.radiance` and the sun from the source's axes to the result's, and fills in what follows
+/// from them and from the options: window, dominant light, irradiance, the forms of engines.
+void complete(ShReport& report, const ShOptions& options, bool is_of_cubemap);
 
 }  // namespace welkin::tool

@@ -278,10 +278,10 @@ void add_sun_place(Options& table, SkyOptions& options) {
   add_option(table, "--sun-elevation", &sky.sun_elevation_degrees, "DEGREES",
              "The sun's elevation above the horizon, -90 to 90; default 40. With --sweep that of the first image, "
              "default 90",
-             {.bounds = finite_between(-90.0, 90.0)});
+             {.bounds = number_between(-90.0, 90.0)});
   add_option(table, "--sun-azimuth", &sky.sun_azimuth_degrees, "DEGREES",
              "The sun's azimuth, counted from +z towards +x; default 0",
-             {.bounds = finite_between(-kFullTurns, kFullTurns)});
+             {.bounds = number_between(-kFullTurns, kFullTurns)});
   add_option(
       table, "--date", &options.dated.date, "DATE",
       "Place the sun by date and time, with time zone: 2026-06-21T18:30Z or 2026-06-21T20:30+02:00, 1900 to 2099",
@@ -297,9 +297,9 @@ void add_sun_place(Options& table, SkyOptions& options) {
              "Raise the sun of --date by the refraction of air, half a degree on the horizon", {.needs = {"--date"}});
   add_option(table, "--north", &options.dated.observer.north_azimuth_degrees, "DEGREES",
              "The azimuth of north for --date; default 180: north is -z and east +x",
-             {.bounds = finite_between(-kFullTurns, kFullTurns), .needs = {"--date"}});
+             {.bounds = number_between(-kFullTurns, kFullTurns), .needs = {"--date"}});
   add_option(table, "--altitude", &sky.altitude_m, "METRES", "The observer's height above the ground; default 0",
-             {.bounds = finite_between(0.0, kHighest)});
+             {.bounds = number_between(0.0, kHighest)});
   add_option(table, "--no-ground", OnFlag([&sky] { sky.view.ground = false; }), "",
              "Show below the horizon only the air in front of the ground, and not the ground");
 }
@@ -322,7 +322,7 @@ void add_table_options(Options& table, SkyOptions& options) {
   add_option(table, "--convergence-threshold", &tables.convergence_threshold, "SHARE",
              "Stop before --orders when an order adds less than this fraction of the light before it; default "
              "0: never",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
   add_option(table, "--truncate-orders", OnFlag([&tables] { tables.truncate_orders = true; }), "",
              "Omit light of more than --orders orders, which is otherwise estimated");
   table.push_back(choice<SkyColour>(
@@ -365,7 +365,7 @@ void add_sweep_options(Options& table, SweepOptions& sweep) {
              {.excludes = {"--format", "--json", "--sun-azimuth", "--quadrature", "--directions", "--bands", "--window",
                            "--for"}});
   add_option(table, "--sweep-to", &sweep.last_degrees, "DEGREES", "Sun elevation of the last image; default -18",
-             {.bounds = finite_between(-90.0, 90.0), .needs = {kSweep}});
+             {.bounds = number_between(-90.0, 90.0), .needs = {kSweep}});
   add_option(table, "--sweep-tiles", &sweep.tiles, "N", "Number of images, 1 to 256; default 16",
              {.bounds = whole_between(1, kMaxTiles), .needs = {kSweep}});
   add_option(table, "--sweep-size", &sweep.size, "N", "Height of each in pixels, 8 to 2048; default 192",
@@ -484,12 +484,7 @@ ShReport measure_sky(const SkyOptions& options, const Control& control) {
   diagnostics.texels = static_cast<std::uint64_t>(report.sky->directions);
   diagnostics.error_estimate = error_estimate(sky, options.quadrature, report.projection.radiance);
   describe_light(sky, report);
-  const glm::dmat3 matrix = light_rotation(options.sh.orientation, false);
-  if (matrix != glm::dmat3(1.0)) {
-    report.projection.radiance = rotate(report.projection.radiance, matrix);
-    report.sun->direction = matrix * report.sun->direction;
-  }
-  complete(report, options.sh);
+  complete(report, options.sh, false);
   return report;
 }
 

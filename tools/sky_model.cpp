@@ -1,7 +1,6 @@
 #include "tools/sky_model.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -97,54 +96,37 @@ std::vector<double> visible_spectrum() {
   return wavelengths;
 }
 
-/// Earth's air by the kind of its aerosol, none: air without any.
-struct EarthPreset {
-  AtmospherePreset preset;
-  std::optional<AerosolKind> aerosol;
-};
-
-constexpr std::array<EarthPreset, 5> kEarthPresets{{{AtmospherePreset::earth, AerosolKind::clear},
-                                                    {AtmospherePreset::hazy, AerosolKind::hazy},
-                                                    {AtmospherePreset::dusty, AerosolKind::dusty},
-                                                    {AtmospherePreset::polluted, AerosolKind::polluted},
-                                                    {AtmospherePreset::no_aerosol, std::nullopt}}};
-
-const EarthPreset* earth_preset(AtmospherePreset preset) {
-  const auto found = std::ranges::find(kEarthPresets, preset, &EarthPreset::preset);
-  return found == kEarthPresets.end() ? nullptr : &*found;
-}
-
 std::vector<double> wavelengths_of(const AtmosphereChoice& choice, SkyColour colour) {
   if (!choice.wavelengths_nm.empty()) return choice.wavelengths_nm;
   return colour == SkyColour::linear_srgb ? visible_spectrum() : Atmosphere{}.wavelengths_nm;
 }
 
-Atmosphere earth_of(const EarthPreset& preset, const AtmosphereChoice& choice, SkyColour colour) {
-  const std::vector<double> wavelengths = wavelengths_of(choice, colour);
-  if (!preset.aerosol) return without_aerosol(earth(wavelengths));
-  if (!choice.aerosol_depth) return earth(wavelengths, *preset.aerosol);
-  AerosolModel aerosol = aerosol_model(*preset.aerosol);
-  aerosol.optical_depth = *choice.aerosol_depth;
-  return with_aerosol(earth(wavelengths, *preset.aerosol), aerosol);
-}
-
 Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour colour) {
   if (choice.file) return read_atmosphere(platform::path_of(*choice.file));
-  if (const EarthPreset* const preset = earth_preset(choice.preset)) return earth_of(*preset, choice, colour);
-  if (choice.preset == AtmospherePreset::earth_bruneton) return earth_bruneton(wavelengths_of(choice, colour));
-  return choice.preset == AtmospherePreset::mars ? mars() : earth_hillaire();
+  const std::vector<double> wavelengths = wavelengths_of(choice, colour);
+  const AerosolKind kind = choice.preset.aerosol;
+  switch (choice.preset.air) {
+    case Air::earth: break;
+    case Air::earth_without_aerosol: return without_aerosol(earth(wavelengths));
+    case Air::earth_bruneton: return earth_bruneton(wavelengths);
+    case Air::earth_hillaire: return earth_hillaire();
+    case Air::mars: return mars();
+  }
+  if (!choice.aerosol_depth) return earth(wavelengths, kind);
+  AerosolModel aerosol = aerosol_model(kind);
+  aerosol.optical_depth = *choice.aerosol_depth;
+  return with_aerosol(earth(wavelengths, kind), aerosol);
 }
 
 /// Throws if something is chosen that a preset or file does not offer.
 void check_choice(const AtmosphereChoice& choice) {
-  const EarthPreset* const earth = choice.file ? nullptr : earth_preset(choice.preset);
-  const bool any_wavelengths = earth != nullptr || (!choice.file && choice.preset == AtmospherePreset::earth_bruneton);
-  if (!choice.wavelengths_nm.empty() && !any_wavelengths) {
+  const Air air = choice.preset.air;
+  if (!choice.wavelengths_nm.empty() && (choice.file || air == Air::earth_hillaire || air == Air::mars)) {
     throw Error(ErrorCode::invalid_argument,
                 "--wavelengths is for the presets earth, hazy, dusty, polluted, no-aerosol and earth-bruneton; the "
                 "others and files have their own");
   }
-  if (choice.aerosol_depth && (earth == nullptr || !earth->aerosol)) {
+  if (choice.aerosol_depth && (choice.file || air != Air::earth)) {
     throw Error(ErrorCode::invalid_argument,
                 "--aerosol is for the presets earth, hazy, dusty and polluted; the others and files have their own");
   }
@@ -156,15 +138,15 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
   constexpr const char* kPreset = "--preset";
   table.push_back(tool::choice<AtmospherePreset>(
       kPreset, choice.preset,
-      {{"earth", AtmospherePreset::earth},
-       {"clear", AtmospherePreset::earth},
-       {"hazy", AtmospherePreset::hazy},
-       {"dusty", AtmospherePreset::dusty},
-       {"polluted", AtmospherePreset::polluted},
-       {"no-aerosol", AtmospherePreset::no_aerosol},
-       {"earth-bruneton", AtmospherePreset::earth_bruneton},
-       {"earth-hillaire", AtmospherePreset::earth_hillaire},
-       {"mars", AtmospherePreset::mars}},
+      {{"earth", {Air::earth, AerosolKind::clear}},
+       {"clear", {Air::earth, AerosolKind::clear}},
+       {"hazy", {Air::earth, AerosolKind::hazy}},
+       {"dusty", {Air::earth, AerosolKind::dusty}},
+       {"polluted", {Air::earth, AerosolKind::polluted}},
+       {"no-aerosol", {Air::earth_without_aerosol}},
+       {"earth-bruneton", {Air::earth_bruneton}},
+       {"earth-hillaire", {Air::earth_hillaire}},
+       {"mars", {Air::mars}}},
       "Whose air; default earth: earth or clear (a clear day as measured), hazy, dusty, polluted, no-aerosol (nothing "
       "but "
       "gases), earth-bruneton and earth-hillaire (the constants of Bruneton 2017 and Hillaire 2020: almost no "
@@ -174,7 +156,7 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
              "The aerosol of earth, hazy, dusty and polluted: its vertical "
              "optical depth at 550 nm, 0 to 100 (a clear day has 0.05 to 0.15, a hazy one 0.3, dust 0.5 "
              "and more)",
-             {.bounds = finite_between(0.0, 100.0)});
+             {.bounds = number_between(0.0, 100.0)});
   add_option(table, "--atmosphere", &choice.file, "FILE",
              "An atmosphere from a JSON file, as --print-atmosphere writes it; every number is checked",
              {.excludes = {kPreset}});
@@ -184,11 +166,11 @@ void add_atmosphere_options(Options& table, AtmosphereChoice& choice) {
              {.list = List::commas});
   add_option(table, "--ground-albedo", &choice.ground_albedo, "A",
              "Albedo of the ground, 0 to 1; default that of the preset, earth 0.1",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
   add_option(table, "--night", &choice.night_luminance, "CD",
              "Add the light of a night without a moon (airglow, stars): the zenith's luminance in cd/m2, 0 "
              "to 1; a dark place has 2e-4. Default: none",
-             {.bounds = finite_between(0.0, 1.0)});
+             {.bounds = number_between(0.0, 1.0)});
 }
 
 Atmosphere chosen_atmosphere(const AtmosphereChoice& choice, SkyColour colour) {
@@ -318,8 +300,16 @@ bool fit(const SkyTables& tables, const Atmosphere& atmosphere, const SkyTableOp
   return tables.atmosphere == atmosphere && theirs == options;
 }
 
-ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& options,
-                           const std::optional<std::string>& file, const Control& control) {
+/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
+/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
+/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
+ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
+                         const std::optional<std::string>& file, const Control& control) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto pass = [&](PassAction action, const std::string& reason) -> PassRecord {
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    return {"tables", action, reason, took.count()};
+  };
   std::error_code none;
   std::string reason = "there is no --tables file";
   if (file) {
@@ -327,25 +317,13 @@ ReadyTables made_or_loaded(const Atmosphere& atmosphere, const SkyTableOptions& 
     if (is_there) {
       auto loaded =
           std::make_shared<const SkyTables>(load_sky_tables(platform::path_of(*file), options.memory_limit_bytes));
-      if (fit(*loaded, atmosphere, options))
-        return {loaded, {"tables", PassAction::reuse, "loaded from " + *file, 0.0}};
+      if (fit(*loaded, atmosphere, options)) return {loaded, pass(PassAction::reuse, "loaded from " + *file)};
     }
     reason = (is_there ? "those in the file had other parameters; now saved to " : "saved to ") + *file;
   }
   auto made = std::make_shared<const SkyTables>(precompute_sky(atmosphere, options, control));
   if (file) save_sky_tables(*made, platform::path_of(*file));
-  return {made, {"tables", PassAction::run, reason, 0.0}};
-}
-
-/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
-/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
-/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
-ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
-                         const std::optional<std::string>& file, const Control& control) {
-  const auto start = std::chrono::steady_clock::now();
-  ReadyTables ready = made_or_loaded(atmosphere, options, file, control);
-  ready.pass.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  return ready;
+  return {made, pass(PassAction::run, reason)};
 }
 
 constexpr int kBuiltInHeight = 512;

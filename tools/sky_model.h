@@ -19,11 +19,17 @@
 
 namespace welkin::tool {
 
-/// Which air: a preset, or a file; and what is changed of it.
-enum class AtmospherePreset { earth, hazy, dusty, polluted, no_aerosol, earth_bruneton, earth_hillaire, mars };
+/// Earth's air as measured, with an aerosol or without, and atmospheres with constants of their own.
+enum class Air { earth, earth_without_aerosol, earth_bruneton, earth_hillaire, mars };
 
+struct AtmospherePreset {
+  Air air = Air::earth;
+  AerosolKind aerosol = AerosolKind::clear;  ///< of `Air::earth`
+};
+
+/// Which air: a preset, or a file; and what is changed of it.
 struct AtmosphereChoice {
-  AtmospherePreset preset = AtmospherePreset::earth;
+  AtmospherePreset preset;
   std::optional<std::string> file;
   std::vector<double> wavelengths_nm;   ///< none: the preset's; folded to colours, Earth's are a spectrum
   std::optional<double> aerosol_depth;  ///< vertical, at 550 nm

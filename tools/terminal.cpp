@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <sstream>
@@ -76,6 +75,23 @@ void print_result(const std::string& text) {
   if (!std::cout) throw Error(ErrorCode::file_access, "standard output: cannot be written; is the disk full?");
 }
 
+std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
+  constexpr std::size_t kBlock = std::size_t{1} << 20U;
+  PipeEnd end(pipe);
+  std::vector<std::byte> bytes;
+  for (std::size_t count = kBlock; count > 0;) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + kBlock);
+    count = end.read(std::span(bytes).subspan(before));
+    bytes.resize(before + count);
+    if (bytes.size() <= most) continue;
+    throw Error(ErrorCode::limit_exceeded, pipe.value_or("standard input") + ": has more than the " +
+                                               std::to_string(most) +
+                                               " bytes that --memory-limit allows; raise it, or pass a file");
+  }
+  return bytes;
+}
+
 WithoutStages::WithoutStages() noexcept { has_stages = false; }
 WithoutStages::~WithoutStages() { has_stages = true; }
 
@@ -122,10 +138,7 @@ std::string ProgressBar::time_left(double share) const {
   constexpr double kTelling = 0.02;
   if (share < kTelling) return "";
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count() * (1.0 - share) / share;
-  const auto whole = static_cast<long>(std::ceil(seconds));
-  constexpr long kMinute = 60;
-  if (whole < kMinute) return "  " + std::to_string(whole) + " s left";
-  return "  " + std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s left";
+  return "  " + long_duration(seconds) + " left";
 }
 
 }  // namespace welkin::tool

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,8 +63,25 @@ using jobs::part_of;
 /// what other systems' have: bytes as they are written, and a terminal that takes UTF-8 and colours.
 void reserve_standard_streams() noexcept;
 
-/// All that comes out of a pipe, by its name; of standard input without one. Throws `Error`: limit_exceeded if that is
-/// more than so many bytes; cancelled by a signal; file_access.
+/// The end of a pipe that is read, by its name; standard input without one. Closed where it was opened.
+class PipeEnd {
+ public:
+  /// Opening waits for nobody to write; reading does. Throws `Error` (file_access).
+  explicit PipeEnd(const std::optional<std::string>& pipe);
+  ~PipeEnd();
+  PipeEnd(const PipeEnd&) = delete;
+  PipeEnd& operator=(const PipeEnd&) = delete;
+
+  /// Waits for bytes, and returns how many of them it has read; 0: there will be no more. Throws `Error`: cancelled by
+  /// a signal; file_access.
+  [[nodiscard]] std::size_t read(std::span<std::byte> bytes);
+
+ private:
+  std::optional<std::string> pipe_;
+  std::intptr_t file_ = 0;  ///< a descriptor, or Windows' handle
+};
+
+/// All that comes out of it. Throws `Error`: limit_exceeded if that is more than so many bytes, and as `PipeEnd`.
 [[nodiscard]] std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most);
 
 /// Says what the work of the whole process is at from now on, such as "prefilter": the progress bar shows it, and with

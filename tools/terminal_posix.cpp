@@ -108,59 +108,34 @@ void reserve_standard_streams() noexcept {
 
 namespace {
 
-/// Until there is something to read, or nothing will come any more. A signal would not end a read that waits: who
-/// handles it goes on reading.
-void wait_for_bytes(int descriptor) {
-  constexpr int kPatienceMilliseconds = 50;
-  pollfd waited{descriptor, POLLIN, 0};
-  do {
-    if (stop_on_signals().stop_requested()) throw Error(ErrorCode::cancelled, "stopped by a signal");
-  } while (poll(&waited, 1, kPatienceMilliseconds) <= 0);
+[[noreturn]] void fail_reading(const std::optional<std::string>& pipe) {
+  throw Error(ErrorCode::file_access,
+              pipe.value_or("standard input") + ": cannot be read (" + std::strerror(errno) + ")");
 }
-
-/// Closed where it was opened.
-class PipeEnd {
- public:
-  /// Opening waits for nobody to write; reading does.
-  explicit PipeEnd(const std::optional<std::string>& name)
-      : named_(name), descriptor_(name ? open(name->c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) : STDIN_FILENO) {}
-  ~PipeEnd() {
-    if (named_ && descriptor_ >= 0) close(descriptor_);
-  }
-  PipeEnd(const PipeEnd&) = delete;
-  PipeEnd& operator=(const PipeEnd&) = delete;
-
-  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
-
- private:
-  bool named_;
-  int descriptor_;
-};
 
 }  // namespace
 
-std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
-  const std::string name = pipe.value_or("standard input");
-  const auto fail = [&name] {
-    throw Error(ErrorCode::file_access, name + ": cannot be read (" + std::strerror(errno) + ")");
-  };
-  const PipeEnd end(pipe);
-  if (end.descriptor() < 0) fail();
-  std::vector<std::byte> bytes;
-  constexpr std::size_t kBlock = std::size_t{1} << 20U;
-  for (ssize_t count = 1; count != 0;) {
-    wait_for_bytes(end.descriptor());
-    const std::size_t before = bytes.size();
-    bytes.resize(before + kBlock);
-    count = read(end.descriptor(), bytes.data() + before, kBlock);
-    if (count < 0 && errno != EINTR && errno != EAGAIN) fail();
-    bytes.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    if (bytes.size() > most) {
-      throw Error(ErrorCode::limit_exceeded, name + ": has more than the " + std::to_string(most) +
-                                                 " bytes that --memory-limit allows; raise it, or pass a file");
-    }
+PipeEnd::PipeEnd(const std::optional<std::string>& pipe)
+    : pipe_(pipe), file_(pipe ? open(pipe->c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) : STDIN_FILENO) {
+  if (file_ < 0) fail_reading(pipe_);
+}
+
+PipeEnd::~PipeEnd() {
+  if (pipe_) close(static_cast<int>(file_));
+}
+
+std::size_t PipeEnd::read(std::span<std::byte> bytes) {
+  constexpr int kPatienceMilliseconds = 50;
+  const auto descriptor = static_cast<int>(file_);
+  pollfd waited{descriptor, POLLIN, 0};
+  for (;;) {
+    // A signal would not end a read that waits: who handles it goes on reading.
+    if (stop_on_signals().stop_requested()) throw Error(ErrorCode::cancelled, "stopped by a signal");
+    if (poll(&waited, 1, kPatienceMilliseconds) <= 0) continue;
+    const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR && errno != EAGAIN) fail_reading(pipe_);
   }
-  return bytes;
 }
 
 std::string host_name() {

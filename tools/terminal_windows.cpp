@@ -36,8 +36,9 @@ BOOL WINAPI note_event(DWORD event) {
   return TRUE;
 }
 
-[[noreturn]] void fail_reading(const std::string& name) {
-  throw Error(ErrorCode::file_access, name + ": cannot be read (" + platform::system_message(GetLastError()) + ")");
+[[noreturn]] void fail_reading(const std::optional<std::string>& pipe) {
+  throw Error(ErrorCode::file_access,
+              pipe.value_or("standard input") + ": cannot be read (" + platform::system_message(GetLastError()) + ")");
 }
 
 /// How many bytes may be read without waiting; of what is no pipe, any number. Nothing: there will be no more.
@@ -52,27 +53,6 @@ std::optional<DWORD> wait_for_bytes(HANDLE file) {
     std::this_thread::sleep_for(kPause);
   }
 }
-
-/// Closed where it was opened.
-class PipeEnd {
- public:
-  explicit PipeEnd(const std::optional<std::string>& name)
-      : named_(name),
-        handle_(name ? CreateFileW(platform::path_of(*name).c_str(), GENERIC_READ, platform::kSharedByAll, nullptr,
-                                   OPEN_EXISTING, 0, nullptr)
-                     : GetStdHandle(STD_INPUT_HANDLE)) {}
-  ~PipeEnd() {
-    if (named_ && handle_ != INVALID_HANDLE_VALUE) CloseHandle(handle_);
-  }
-  PipeEnd(const PipeEnd&) = delete;
-  PipeEnd& operator=(const PipeEnd&) = delete;
-
-  [[nodiscard]] HANDLE handle() const noexcept { return handle_; }
-
- private:
-  bool named_;
-  HANDLE handle_;
-};
 
 /// The words of a command line as the C library takes them apart: backslashes are themselves, but before a quotation
 /// mark two of them are one, and one more makes the mark a character; a doubled mark within quotation is a character
@@ -168,28 +148,27 @@ void reserve_standard_streams() noexcept {
   for (const int descriptor : {0, 1, 2}) static_cast<void>(_setmode(descriptor, _O_BINARY));
 }
 
-std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
-  const std::string name = pipe.value_or("standard input");
-  const PipeEnd end(pipe);
-  if (end.handle() == INVALID_HANDLE_VALUE || end.handle() == nullptr) fail_reading(name);
-  std::vector<std::byte> bytes;
-  constexpr DWORD kBlock = DWORD{1} << 20U;
-  for (;;) {
-    const std::optional<DWORD> there = wait_for_bytes(end.handle());
-    if (!there) return bytes;
-    const std::size_t before = bytes.size();
-    const DWORD wanted = std::min(kBlock, *there);
-    bytes.resize(before + wanted);
-    DWORD count = 0;
-    const bool read = ReadFile(end.handle(), bytes.data() + before, wanted, &count, nullptr) != 0;
-    if (!read && GetLastError() != ERROR_BROKEN_PIPE && GetLastError() != ERROR_HANDLE_EOF) fail_reading(name);
-    bytes.resize(before + count);
-    if (count == 0) return bytes;
-    if (bytes.size() > most) {
-      throw Error(ErrorCode::limit_exceeded, name + ": has more than the " + std::to_string(most) +
-                                                 " bytes that --memory-limit allows; raise it, or pass a file");
-    }
-  }
+PipeEnd::PipeEnd(const std::optional<std::string>& pipe) : pipe_(pipe) {
+  const HANDLE handle = pipe ? CreateFileW(platform::path_of(*pipe).c_str(), GENERIC_READ, platform::kSharedByAll,
+                                           nullptr, OPEN_EXISTING, 0, nullptr)
+                             : GetStdHandle(STD_INPUT_HANDLE);
+  if (handle == INVALID_HANDLE_VALUE || handle == nullptr) fail_reading(pipe_);
+  file_ = reinterpret_cast<std::intptr_t>(handle);
+}
+
+PipeEnd::~PipeEnd() {
+  if (pipe_) CloseHandle(reinterpret_cast<HANDLE>(file_));
+}
+
+std::size_t PipeEnd::read(std::span<std::byte> bytes) {
+  const HANDLE handle = reinterpret_cast<HANDLE>(file_);
+  const std::optional<DWORD> there = wait_for_bytes(handle);
+  if (!there) return 0;
+  DWORD count = 0;
+  const auto wanted = static_cast<DWORD>(std::min<std::size_t>(bytes.size(), *there));
+  const bool read = ReadFile(handle, bytes.data(), wanted, &count, nullptr) != 0;
+  if (!read && GetLastError() != ERROR_BROKEN_PIPE && GetLastError() != ERROR_HANDLE_EOF) fail_reading(pipe_);
+  return count;
 }
 
 std::string host_name() {

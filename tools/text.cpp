@@ -66,6 +66,15 @@ std::string duration(double milliseconds) {
   return rough(milliseconds / 1000.0) + " s";
 }
 
+std::string long_duration(double seconds) {
+  constexpr long kMinute = 60;
+  constexpr long kHour = 60 * kMinute;
+  const auto whole = static_cast<long>(std::ceil(seconds));
+  if (whole < kMinute) return std::to_string(whole) + " s";
+  if (whole < kHour) return std::to_string(whole / kMinute) + " min " + std::to_string(whole % kMinute) + " s";
+  return std::to_string(whole / kHour) + " h " + std::to_string(whole % kHour / kMinute) + " min";
+}
+
 std::string pad_left(std::string_view text, std::size_t width) {
   return std::string(width - std::min(width, text.size()), ' ') + std::string(text);
 }
@@ -157,11 +166,12 @@ bool begins_with(const std::filesystem::path& file, std::string_view sign) {
   return std::string_view(first.data(), static_cast<std::size_t>(stream.gcount())).find(sign) != std::string_view::npos;
 }
 
-void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer) {
+void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer,
+                 const std::string& remedy) {
   std::error_code unknown;
   if (!std::filesystem::exists(file, unknown) || begins_with(file, sign)) return;
   throw Error(ErrorCode::file_access, platform::utf8(file) + ": is there and was not written by 'welkin " + writer +
-                                          "', which would write over it; name another file, or remove it");
+                                          "', which would write over it; " + remedy);
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {

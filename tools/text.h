@@ -63,6 +63,9 @@ template <class Values, class Words>
 /// A duration with its unit: "0.21 ms", "3.4 s".
 [[nodiscard]] std::string duration(double milliseconds);
 
+/// "41 s", "3 min 5 s", "2 h 10 min"
+[[nodiscard]] std::string long_duration(double seconds);
+
 [[nodiscard]] std::string pad_left(std::string_view text, std::size_t width);
 [[nodiscard]] std::string pad_right(std::string_view text, std::size_t width);
 
@@ -113,7 +116,9 @@ void require_kept(const std::filesystem::path& read, const std::filesystem::path
 [[nodiscard]] bool begins_with(const std::filesystem::path& file, std::string_view sign);
 
 /// Throws `Error` (file_access) if there is a file without the sign, which `writer` ("batch plan") would write over.
-void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer);
+/// `remedy`: what would do instead.
+void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer,
+                 const std::string& remedy = "name another file, or remove it");
 
 /// As the library writes its files: they are whole or as they were. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);

@@ -11,7 +11,7 @@
 #include <exception>
 #include <iostream>
 
-#include "results.h"
+#include "loop.h"
 
 namespace engine_loop {
 namespace {

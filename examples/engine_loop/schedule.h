@@ -17,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "../probes/cube_frames.h"
 #include "tools/test_map.h"
 
 namespace engine_loop {
@@ -24,15 +25,6 @@ namespace engine_loop {
 /// Returns a cubemap of a blue gradient, dark ground and a small bright sun half-way up, turned about the vertical by
 /// `sun_angle` (radians). Cost: 10 ns per texel, in the caller's arena.
 inline welkin::Cubemap sky_cubemap(int size, double sun_angle) {
-  struct Axes {
-    glm::vec3 normal, along_u, along_v;  // as in the table of CubemapView
-  };
-  static constexpr std::array<Axes, 6> kFaces{{{{1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
-                                               {{-1, 0, 0}, {0, 0, 1}, {0, -1, 0}},
-                                               {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
-                                               {{0, -1, 0}, {1, 0, 0}, {0, 0, -1}},
-                                               {{0, 0, 1}, {1, 0, 0}, {0, -1, 0}},
-                                               {{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}};
   const auto angle = static_cast<float>(sun_angle);
   const glm::vec3 sun = glm::normalize(glm::vec3(std::sin(angle), 1.0F, std::cos(angle)));
   const auto radiance = [&](const glm::vec3& direction) {
@@ -44,13 +36,9 @@ inline welkin::Cubemap sky_cubemap(int size, double sun_angle) {
   };
   welkin::Cubemap image(size);
   tbb::parallel_for(0, 6 * size, [&](int row) {
-    const auto& [normal, along_u, along_v] = kFaces[static_cast<std::size_t>(row / size)];
-    const float step = 2.0F / static_cast<float>(size);
-    const float v = (static_cast<float>(row % size) + 0.5F) * step - 1.0F;
     float* texel = image.face(0) + std::ptrdiff_t{3} * size * row;
     for (int column = 0; column < size; ++column) {
-      const float u = (static_cast<float>(column) + 0.5F) * step - 1.0F;
-      const glm::vec3 rgb = radiance(glm::normalize(normal + u * along_u + v * along_v));
+      const glm::vec3 rgb = radiance(glm::vec3(cube_frames::direction_of(row / size, column, row % size, size)));
       texel = std::copy_n(&rgb[0], 3, texel);
     }
   });

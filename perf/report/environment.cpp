@@ -1,6 +1,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "perf/report/measuring.h"
+#include "platform/text.h"
 #include "welkin/environment_file.h"
 #include "welkin/resampling.h"
 
@@ -127,17 +128,8 @@ bool has_alpha(PixelFormat format) {
 }  // namespace
 
 std::string name(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::rgb32f: return "rgb32f";
-    case PixelFormat::rgba32f: return "rgba32f";
-    case PixelFormat::rgb16f: return "rgb16f";
-    case PixelFormat::rgba16f: return "rgba16f";
-    case PixelFormat::rgb8: return "rgb8";
-    case PixelFormat::rgba8: return "rgba8";
-    case PixelFormat::srgb8: return "rgb8srgb";
-    case PixelFormat::srgba8: return "rgba8srgb";
-  }
-  return "unknown";
+  constexpr std::array kNames{"rgb32f", "rgba32f", "rgb16f", "rgba16f", "rgb8", "rgba8", "rgb8srgb", "rgba8srgb"};
+  return platform::name_in<PixelFormat::srgba8>(kNames, format, "unknown");
 }
 
 FormattedCubemap::FormattedCubemap(const Cubemap& image, PixelFormat format) : size_(image.size()), format_(format) {

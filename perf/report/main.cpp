@@ -147,10 +147,10 @@ void add_comparisons(Options& table, ReportCommandOptions& options) {
   add_option(table, kAgainst, &options.against, "OLD.json", "Compare with the JSON of an earlier report");
   add_option(table, "--error-factor", &options.factors.error_factor, "X",
              "An error that grew by more than this is a regression (default 1.05)",
-             {.bounds = finite_between(1.0, 1e6), .needs = {kAgainst}});
+             {.bounds = number_between(1.0, 1e6), .needs = {kAgainst}});
   add_option(table, "--time-factor", &options.factors.time_factor, "X",
              "A time that grew by more than this is a regression (default 1.5)",
-             {.bounds = finite_between(1.0, 1e6), .needs = {kAgainst}});
+             {.bounds = number_between(1.0, 1e6), .needs = {kAgainst}});
   add_option(table, "--node-modules", &options.node_modules, "DIR",
              "The folder that holds node_modules with @babylonjs/core and three, to measure these too (Node.js)",
              {.environment = "WELKIN_NODE_MODULES"});

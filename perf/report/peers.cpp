@@ -1,10 +1,11 @@
+#include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
 #include "embedded_texts.h"
-#include "image/geometry.h"
 #include "perf/report/passes.h"
 #include "welkin/core.h"
 #include "welkin/environment_file.h"
+#include "welkin/resampling.h"
 
 namespace welkin::report {
 namespace {
@@ -119,17 +120,8 @@ PeerTable rows_from_below(const float* rgb, int size) {
 Cubemap from_axes(const Cubemap& chain, const dmat3& faces) {
   Cubemap result(chain.level_size(0), chain.levels());
   for (int level = 0; level < chain.levels(); ++level) {
-    const int size = chain.level_size(level);
-    for (int face = 0; face < 6; ++face) {
-      for (int row = 0; row < size; ++row) {
-        for (int column = 0; column < size; ++column) {
-          const glm::dvec3 there = faces * glm::dvec3(image::point_of(size, {face, column, row}));
-          const image::CubeTexel from = image::texel_at(size, glm::ivec3(glm::round(there)));
-          std::copy_n(chain.face(level, from.face) + 3 * (from.row * size + from.column), 3,
-                      result.face(level, face) + 3 * (row * size + column));
-        }
-      }
-    }
+    const Cubemap moved = to_cubemap(chain.view(level), chain.level_size(level), glm::transpose(faces));
+    std::copy(moved.pixels().begin(), moved.pixels().end(), result.face(level, 0));
   }
   return result;
 }

@@ -85,6 +85,7 @@ TEST_CASE("bake: bad usage exits with 2, and makes no folder", "[tools][bake][sl
                  {"--brdf", {"0"}},
                  {"--brdf-model", {"x"}},
                  {"--no-brdf", {"--brdf 8"}},
+                 {"--no-diffuse", {"--irradiance 8"}},
                  {"--bands", {"17", "5 --error-budget 1e-2"}},
                  {"--method", {"magic"}},
                  {"--rms-error", {"0", "nan", "1.5", "-1e-3", "small", "1e-2 --error-budget 1e-2"}},

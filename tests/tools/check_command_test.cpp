@@ -92,6 +92,14 @@ TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check
         Approx(mip_roughness(RoughnessSchedule::filament, 5, kSize)[2]).margin(0.01));
   const std::string said = run_welkin("check " + quoted(room.file("chain.ktx2")) + " " + quoted(room.source())).output;
   CHECK(contains(said, "Nothing is wrong with orientation, scale, roughness and edges."));
+
+  PrefilterOptions fitted{.size = kSize, .roughness = mip_roughness(RoughnessSchedule::linear, 5, kSize)};
+  fitted.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::linear, 5, kSize);
+  const nlohmann::json of_lookups = room.check(prefilter_specular(room.view(), fitted).cubemap, "--roughness linear");
+  CHECK(findings_of(of_lookups).empty());
+  CHECK(of_lookups["rms"].get<double>() < 1e-3);
+  CHECK(of_lookups["mips"][4]["roughness"] == 1.0);
+  CHECK(of_lookups["mips"][4]["lobe_roughness"] == fitted.lobe_roughness[4]);
 }
 
 TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slow]") {

@@ -30,7 +30,9 @@ TEST_CASE("command: bad usage exits with 2", "[tools]") {
                        {"--target-size", {"-1"}},
                        {"--clamp", {"0", "nan", "inf"}},
                        {"--threads", {"-1"}},
+                       {"--yaw", {"nan"}},
                        {"--nan", {"keep"}}});
+  check_refused("sh --extract-sun", {{"--sun-share", {"nan"}}});
   check_refused("sh file.exr", {{"--layout", {"cross"}}, {"--memory-limit", {"-1", "5XB"}}});
   CHECK(contains(failure("sh --layout lat-long", 2), "INPUT"));
   CHECK(contains(failure("sh", 2), "--sky"));

@@ -179,6 +179,11 @@ TEST_CASE("bake --for: each engine's folder has its files and none of the engine
     const std::string readme = file_text(folder / "README.md");
     for (const std::string& name : files) CHECK(contains(readme, name));
   }
+  for (const char* const engine : {"three", "filament"}) {  // what the scene leaves out
+    INFO(engine);
+    bake_into(folder, small_image() + " --no-previews --no-glossy --for " + engine + kSmall);
+    check_readme(folder);
+  }
 }
 
 TEST_CASE("bake --for: the texels are those of the same bake by --formats", "[tools][bake][engine_folders][slow]") {

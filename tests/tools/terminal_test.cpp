@@ -35,6 +35,7 @@ TEST_CASE("command: slips are answered with the nearest right word", "[tools]") 
   CHECK(contains(failure("sh x.hdr --for untiy", 2), "did you mean unity?"));
   CHECK_FALSE(contains(failure("sh --frobnicate", 2), "did you mean"));
   CHECK(contains(failure("sh one.exr two.exr", 2), "two.exr is an argument too many"));
+  CHECK(contains(failure("sh -- one.exr -two.exr", 2), "-two.exr is an argument too many"));
   CHECK(contains(failure("report --quik", 2), "did you mean --quick?"));
 }
 
