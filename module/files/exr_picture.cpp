@@ -146,12 +146,12 @@ bool has_levels(const ExrPart& part) {
 }
 
 void name_compression(ExrPicture& picture, const Imf::Header& header) {
-  const char* name = compression_name(header.compression());
-  if (name == nullptr) {
+  const CompressionKind* const kind = compression_kind(header.compression());
+  if (kind == nullptr) {
     refuse(picture.info, "has an unknown compression (method " +
                              std::to_string(static_cast<int>(header.compression())) + "); save it as zip or piz");
   }
-  picture.info.compression = name;
+  picture.info.compression = kind->name;
 }
 
 void place_windows(ExrPicture& picture, const ExrPart& part, Layout asked_for) {
@@ -222,7 +222,7 @@ void measure_units(ExrPicture& picture, const Imf::Header& header) {
     const std::uint64_t area = std::uint64_t{tiles.xSize} * tiles.ySize;
     picture.unit_bytes = area > kMaximumUnitBytes ? area : area * texel;
   } else {
-    const auto scanlines = static_cast<std::uint64_t>(scanlines_per_block(header.compression()));
+    const auto scanlines = static_cast<std::uint64_t>(compression_kind(header.compression())->scanlines);
     picture.info.storage = "scanline";
     picture.unit_rows = static_cast<int>(std::min(scanlines, height));
     picture.unit_bytes = texel * static_cast<std::uint64_t>(picture.data_width) * scanlines;

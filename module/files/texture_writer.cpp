@@ -208,7 +208,7 @@ WriteReport write_pictures(const FileOutput& output, const OctahedralMap& map, c
     platform::WholeFile& file = written.add(
         map.levels.size() == 1 ? output : files::beside(path, "_m" + std::to_string(level), path.extension()));
     const files::OutputPicture picture(map.view(level));
-    values_clamped += files::write_exr(picture, {file, type, false, false, {control.stop, {}}});
+    values_clamped += files::write_exr(picture, {file, type, files::Envmap::none, {control.stop, {}}});
   }
   return written.commit(values_clamped, control);
 }
