@@ -465,59 +465,45 @@ std::uint64_t luminance_chroma_bytes(int width) noexcept {
 // Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
 int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_rows - 1) / unit_rows * unit_rows; }
 
-class ExrSource final : public RowSource {
- public:
-  explicit ExrSource(const ExrPicture& picture) : RowSource(picture.info, picture.input), picture_(picture) {}
-
-  [[nodiscard]] int natural_rows() const override {
-    const int rows = picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(picture_.unit_rows)
-                                                                      : picture_.unit_rows;
-    return std::min(rows, picture_.info.height);
-  }
-
-  [[nodiscard]] bool has_openexr_cube_frames() const override { return picture_.cube_frames; }
-  [[nodiscard]] bool has_prefiltered_levels() const override { return picture_.prefiltered; }
-
+RowTraits exr_traits(const ExrPicture& picture) {
+  const bool chroma = picture.channels.kind == Kind::luminance_chroma;
+  const int together = chroma ? luminance_chroma_rows(picture.unit_rows) : picture.unit_rows;
+  const std::uint64_t rows = rgb_bytes(picture.data_width, picture.unit_rows);
+  RowTraits traits{.natural_rows = std::min(together, picture.info.height),
+                   .openexr_cube_frames = picture.cube_frames,
+                   .prefiltered_levels = picture.prefiltered};
   // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
   // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    const std::uint64_t rows = rgb_bytes(picture_.data_width, picture_.unit_rows);
-    return 5 * picture_.unit_bytes + (picture_.tiled ? rows : 0) + (picture_.is_framed() ? rows : 0) +
-           (picture_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(picture_.data_width) : 0) +
-           picture_.table_bytes + (std::uint64_t{1} << 20U);
-  }
+  traits.reader_bytes = 5 * picture.unit_bytes + (picture.tiled ? rows : 0) + (picture.is_framed() ? rows : 0) +
+                        (chroma ? luminance_chroma_bytes(picture.data_width) : 0) + picture.table_bytes +
+                        (std::uint64_t{1} << 20U);
+  return traits;
+}
 
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return call_openexr(picture_.info.path, [&] {
-      std::unique_ptr<RowReader> reader = open_stored_rows();
-      if (picture_.channels.kind == Kind::luminance || picture_.to_rec709) {
-        reader = std::make_unique<ColourReader>(std::move(reader), picture_);
-      }
-      if (picture_.is_framed()) {
-        reader = std::make_unique<FramedReader>(std::move(reader), picture_);
-      }
-      return reader;
-    });
-  }
+std::unique_ptr<RowReader> open_stored_rows(const ExrPicture& picture) {
+  if (picture.channels.kind == Kind::luminance_chroma) return std::make_unique<LuminanceChromaReader>(picture);
+  if (picture.tiled) return std::make_unique<TiledReader>(picture);
+  return std::make_unique<ScanlineReader>(picture);
+}
 
- private:
-  [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
-    if (picture_.channels.kind == Kind::luminance_chroma) {
-      return std::make_unique<LuminanceChromaReader>(picture_);
+std::unique_ptr<RowReader> open_rows(const ExrPicture& picture) {
+  return call_openexr(picture.info.path, [&] {
+    std::unique_ptr<RowReader> reader = open_stored_rows(picture);
+    if (picture.channels.kind == Kind::luminance || picture.to_rec709) {
+      reader = std::make_unique<ColourReader>(std::move(reader), picture);
     }
-    if (picture_.tiled) {
-      return std::make_unique<TiledReader>(picture_);
+    if (picture.is_framed()) {
+      reader = std::make_unique<FramedReader>(std::move(reader), picture);
     }
-    return std::make_unique<ScanlineReader>(picture_);
-  }
-
-  ExrPicture picture_;
-};
+    return reader;
+  });
+}
 
 }  // namespace
 
 std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options) {
-  return std::make_unique<ExrSource>(inspect_exr(file, options));
+  const ExrPicture picture = inspect_exr(file, options);
+  return std::make_unique<RowSource>(picture.info, exr_traits(picture), [picture] { return open_rows(picture); });
 }
 
 }  // namespace welkin::files

@@ -112,11 +112,8 @@ void swap_bytes(float* values, std::size_t count) {
 
 class PfmReader final : public RowReader {
  public:
-  PfmReader(const FileInput& input, const PfmPicture& picture, const EnvironmentInfo& info)
-      : picture_(picture),
-        width_(static_cast<std::size_t>(info.width)),
-        height_(info.height),
-        file_(open_file(input)) {}
+  PfmReader(const FileInput& input, const PfmPicture& picture, int width, int height)
+      : picture_(picture), width_(static_cast<std::size_t>(width)), height_(height), file_(open_file(input)) {}
 
   // Rows lie in the file from bottom to top: the last one that is asked for comes first.
   void read(int first_row, int row_count, float* rgb) override {
@@ -146,21 +143,6 @@ class PfmReader final : public RowReader {
   std::size_t width_;
   int height_;
   platform::ByteFile file_;
-};
-
-class PfmSource final : public RowSource {
- public:
-  PfmSource(EnvironmentInfo info, FileInput input, const PfmPicture& picture)
-      : RowSource(std::move(info), std::move(input)), picture_(picture) {}
-
-  [[nodiscard]] int natural_rows() const override { return 1; }
-  [[nodiscard]] std::uint64_t reader_bytes() const override { return std::uint64_t{64} << 10U; }
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<PfmReader>(input(), picture_, info());
-  }
-
- private:
-  PfmPicture picture_;
 };
 
 }  // namespace
@@ -194,7 +176,10 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
                       " follow the header; fetch or export it again");
   }
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PfmSource>(std::move(info), input_of(file), picture);
+  const auto open = [input = input_of(file), picture, width = info.width, height = info.height] {
+    return std::make_unique<PfmReader>(input, picture, width, height);
+  };
+  return std::make_unique<RowSource>(std::move(info), RowTraits{.reader_bytes = std::uint64_t{64} << 10U}, open);
 }
 
 static_assert(std::endian::native == std::endian::little, "rows are written as they lie in memory");
