@@ -204,7 +204,7 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
     }
   }
 
-  EnvironmentStatistics result = total;
+  EnvironmentStatistics& result = total;
   result.texels = geometry.texels();
   for (int channel = 0; channel < 3; ++channel) {
     if (total.solid_angle[channel] > 0.0) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -289,22 +290,6 @@ std::string channel_names(const EnvironmentInfo& info) {
   return platform::printable(names);
 }
 
-std::string layer_of(const std::string& channel) {
-  const std::size_t dot = channel.rfind('.');
-  return dot == std::string::npos ? "" : channel.substr(0, dot);
-}
-
-// The names before the last dot, "" first, each once. Channels are sorted by name, but not by layer.
-std::vector<std::string> layer_names(const Imf::ChannelList& channels) {
-  std::vector<std::string> names;
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    names.push_back(layer_of(channel.name()));
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
 std::optional<ExrChannels> picture_in(const Imf::ChannelList& channels, const std::string& layer) {
   const std::string prefix = layer.empty() ? "" : layer + ".";
   const auto has = [&](const char* name) { return channels.findChannel(prefix + name) != nullptr; };
@@ -323,8 +308,11 @@ std::optional<ExrChannels> picture_in(const Imf::ChannelList& channels, const st
 }
 
 std::vector<Layer> find_pictures(const Imf::ChannelList& channels) {
+  std::set<std::string> names;
+  channels.layers(names);
+  names.insert("");  // the channels without one
   std::vector<Layer> found;
-  for (const std::string& name : layer_names(channels)) {
+  for (const std::string& name : names) {
     if (const std::optional<ExrChannels> picture = picture_in(channels, name)) {
       found.push_back({name, *picture});
     }

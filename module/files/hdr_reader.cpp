@@ -465,9 +465,7 @@ const char* compression_of(const platform::ByteFile& file, const HdrHeader& head
 }
 
 std::optional<glm::dmat3> matrix_of(const HdrHeader& header, Primaries wanted, EnvironmentInfo& info) {
-  if (header.xyz) {
-    return rec709_from_stored_xyz(wanted, info);
-  }
+  if (header.xyz) return rec709_from_stated(kCieXyz, "the header's FORMAT line", wanted, info);
   return header.primaries ? rec709_from_stated(*header.primaries, "the header's PRIMARIES line", wanted, info)
                           : std::nullopt;
 }

@@ -108,6 +108,7 @@ struct RowTraits {
   const char* smaller_reader = "save it with smaller blocks";
 };
 
+/// What a header says, and readers of the rows behind it.
 class RowSource {
  public:
   using Open = std::function<std::unique_ptr<RowReader>()>;

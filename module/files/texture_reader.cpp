@@ -193,8 +193,8 @@ class TextureReader {
       return;
     }
     texels_.resize(place.bytes);
-    file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] +
-               place.first_byte);
+    const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
+    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + place.first_byte);
     file_.read(texels_.data(), texels_.size());
     decode(texels_.data(), size, first_row, rows, rgb);
   }

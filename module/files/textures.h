@@ -164,9 +164,9 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 /// lies. Every place lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
-    std::array<std::uint64_t, 6> faces{};  ///< first bytes, in the file; not of a supercompressed level
-    std::uint64_t first_byte = 0;          ///< of a supercompressed level, all of which unpacks together
-    std::uint64_t packed_bytes = 0;
+    std::uint64_t first_byte = 0;    ///< in the file: of its first face, or of a supercompressed level
+    std::uint64_t face_stride = 0;   ///< bytes from one face to the next
+    std::uint64_t packed_bytes = 0;  ///< of a supercompressed level, all of which unpacks together
   };
 
   FileFormat container = FileFormat::ktx2;  ///< or dds
