@@ -154,7 +154,7 @@ std::filesystem::path file_of(const Variant& variant) {
 /// The decoder alone: rows to floats in one thread, each block of them forgotten.
 void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
   const std::unique_ptr<files::RowSource> source = files::open_image(path, ReadOptions{});
-  const int rows = source->natural_rows() * std::max(1, 16 / source->natural_rows());
+  const int rows = source->traits().natural_rows * std::max(1, 16 / source->traits().natural_rows);
   rgb.resize(std::size_t{3} * kWidth * static_cast<std::size_t>(rows));
   const std::unique_ptr<files::RowReader> reader = source->open_reader();
   for (int row = 0; row < kHeight; row += rows) {

@@ -1,4 +1,4 @@
-// The entries of a bake: what was made before is found, the rest is kept when it is made.
+// The entries of bakes and prefilters: what was made before is found, the rest is kept when it is made.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -8,13 +8,49 @@
 #include "bake/bake_plan.h"
 #include "cache/recipe.h"
 #include "cache/result_cache.h"
-#include "files/file_source.h"
+#include "files/environment.h"
 #include "harmonics/octahedral.h"
+#include "jobs/tiles.h"
 #include "platform/float_environment.h"
+#include "projection/sanitizer.h"
+#include "reflections/prefilter.h"
+#include "reflections/prefilter_plan.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::cache {
 namespace {
+
+// What sanitizing an image's pixels came to, kept so that what was made of them can be described without them.
+
+struct SanitizedPixels {
+  ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
+  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
+};
+
+EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
+  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
+}
+
+/// The entry is a projection's, whose total radiance before clamping is what the clamp
+/// took away.
+std::optional<SanitizedPixels> find_sanitized(ResultStore& store, const EntryName& name) {
+  constexpr int bands = 1;
+  auto found =
+      store.find(name, projection_bytes(bands), [](ByteSpan bytes) { return decode_projection(bytes, bands); });
+  if (!found) return std::nullopt;
+  SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
+  std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
+  return sanitized;
+}
+
+SanitizedPixels store_sanitized(ResultStore& store, const EntryName& name, const projection::SanitizedSource& source) {
+  Projection entry{SphericalHarmonics(1), source.diagnostics()};
+  entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
+  store.store(name, [&] { return encode(entry); });
+  return {source.diagnostics(), source.clamped_radiance()};
+}
+
+// A prefiltered chain mip by mip: what was made before, for whatever chain, is not made again.
 
 /// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
 ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
@@ -39,79 +75,106 @@ ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::M
   return writer.hash();
 }
 
-}  // namespace
-
-StoredChain::StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
-                         const reflections::PrefilterPlan& plan, memory_resource* memory)
-    : store_(store),
-      plan_(plan),
-      chain_(plan.mips.front().size, static_cast<int>(plan.mips.size()), memory),
-      mips_(plan.mips.size()) {
-  plan_.energies = std::make_shared<std::vector<float>>();  // those of other mips' entries may be of another chain
-  for (std::size_t mip = 0; mip < mips_.size(); ++mip) {
-    const auto level = static_cast<int>(mip);
-    const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
-    names_.push_back({EntryKind::specular_mip, key});
-    auto found = store.find(names_[mip], mip_bytes(chain_.level_size(level)), [&](ByteSpan bytes) {
-      return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0),
-                        spectral(mip) ? plan_.energies.get() : nullptr);
-    });
-    if (!found) {
-      if (end_missing_ == 0) first_missing_ = mip;
-      end_missing_ = mip + 1;
-      continue;
+/// A chain while it is put together.
+class StoredChain {
+ public:
+  /// Looks for all mips that `plan` makes of a source. `source`: hash of its pixels.
+  StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
+              const reflections::PrefilterPlan& plan, memory_resource* memory)
+      : store_(store),
+        plan_(plan),
+        chain_(plan.mips.front().size, static_cast<int>(plan.mips.size()), memory),
+        mips_(plan.mips.size()) {
+    plan_.energies = std::make_shared<std::vector<float>>();  // those of other mips' entries may be of another chain
+    for (std::size_t mip = 0; mip < mips_.size(); ++mip) {
+      const auto level = static_cast<int>(mip);
+      const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
+      names_.push_back({EntryKind::specular_mip, key});
+      auto found = store.find(names_[mip], mip_bytes(chain_.level_size(level)), [&](ByteSpan bytes) {
+        return decode_mip(bytes, chain_.level_size(level), chain_.face(level, 0),
+                          spectral(mip) ? plan_.energies.get() : nullptr);
+      });
+      if (!found) {
+        if (end_missing_ == 0) first_missing_ = mip;
+        end_missing_ = mip + 1;
+        continue;
+      }
+      mips_[mip] = found->value;
+      where_ = where_.empty() || where_ == found->where ? found->where : "found in memory and on disk";
+      milliseconds_ += found->milliseconds;
     }
-    mips_[mip] = found->value;
-    where_ = where_.empty() || where_ == found->where ? found->where : "found in memory and on disk";
-    milliseconds_ += found->milliseconds;
   }
-}
 
-std::optional<reflections::PrefilterPlan> StoredChain::missing() const {
-  if (first_missing_ == end_missing_) return std::nullopt;
-  return plan_.without(static_cast<int>(first_missing_), static_cast<int>(mips_.size() - end_missing_));
-}
-
-void StoredChain::add(PrefilteredSpecular made) {
-  for (std::size_t mip = first_missing_; mip < end_missing_; ++mip) {
-    const std::size_t level = mip - first_missing_;
-    store_.store(names_[mip], [&] {
-      return encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0),
-                        spectral(mip) ? *plan_.energies : std::vector<float>());
-    });
+  /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.
+  [[nodiscard]] std::optional<reflections::PrefilterPlan> missing() const {
+    if (first_missing_ == end_missing_) return std::nullopt;
+    return plan_.without(static_cast<int>(first_missing_), static_cast<int>(mips_.size() - end_missing_));
   }
-  const float* const first = made.cubemap.face(0, 0);
-  std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
-  made.cubemap = {};
-  std::move(made.mips.begin(), made.mips.end(), mips_.begin() + static_cast<std::ptrdiff_t>(first_missing_));
-  made_ = std::move(made);
-}
 
-std::string StoredChain::found_text() const {
-  const std::size_t found = mips_.size() - (end_missing_ - first_missing_);
-  if (found == 0) return {};
-  if (found == mips_.size()) return where_;
-  return std::to_string(found) + " of " + std::to_string(mips_.size()) + " mips " + where_;
-}
+  /// By what decides the bits of a mip.
+  [[nodiscard]] const ContentHash& key(int mip) const { return names_[static_cast<std::size_t>(mip)].key; }
 
-PrefilteredSpecular StoredChain::take() {
-  PrefilteredSpecular whole;
-  whole.cubemap = std::move(chain_);
-  for (std::size_t k = 0; k < mips_.size(); ++k) {
-    MipRecord& mip = whole.mips.emplace_back(*mips_[k]);
-    const std::optional<reflections::MipPair>& pair = plan_.mips[k].to_next;
-    mip.error_between.reset();  // the next mip may be another than that of the chain that this one was made in
-    if (pair && !plan_.energies->empty())
-      mip.error_between = reflections::error_between(*pair, plan_.lookups, *plan_.energies);
+  /// Takes that chain over, and keeps its mips for others.
+  void add(PrefilteredSpecular made) {
+    for (std::size_t mip = first_missing_; mip < end_missing_; ++mip) {
+      const std::size_t level = mip - first_missing_;
+      store_.store(names_[mip], [&] {
+        return encode_mip(made.mips[level], made.cubemap.face(static_cast<int>(level), 0),
+                          spectral(mip) ? *plan_.energies : std::vector<float>());
+      });
+    }
+    const float* const first = made.cubemap.face(0, 0);
+    std::copy(first, first + made.cubemap.bytes() / sizeof(float), chain_.face(static_cast<int>(first_missing_), 0));
+    made.cubemap = {};
+    std::move(made.mips.begin(), made.mips.end(), mips_.begin() + static_cast<std::ptrdiff_t>(first_missing_));
+    made_ = std::move(made);
   }
-  whole.pixels.passes = std::move(made_.pixels.passes);
-  if (const std::string found = found_text(); !found.empty()) {
-    whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", PassAction::reuse, found, milliseconds_});
-  }
-  whole.peak_bytes = made_.peak_bytes;
-  return whole;
-}
 
+  [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }  ///< that finding took
+
+  /// "found on disk", "3 of 5 mips found on disk"; empty: none.
+  [[nodiscard]] std::string found_text() const {
+    const std::size_t found = mips_.size() - (end_missing_ - first_missing_);
+    if (found == 0) return {};
+    if (found == mips_.size()) return where_;
+    return std::to_string(found) + " of " + std::to_string(mips_.size()) + " mips " + where_;
+  }
+
+  /// The whole chain; of its `pixels` only the passes are filled in. Once.
+  [[nodiscard]] PrefilteredSpecular take() {
+    PrefilteredSpecular whole;
+    whole.cubemap = std::move(chain_);
+    for (std::size_t k = 0; k < mips_.size(); ++k) {
+      MipRecord& mip = whole.mips.emplace_back(*mips_[k]);
+      const std::optional<reflections::MipPair>& pair = plan_.mips[k].to_next;
+      mip.error_between.reset();  // the next mip may be another than that of the chain that this one was made in
+      if (pair && !plan_.energies->empty())
+        mip.error_between = reflections::error_between(*pair, plan_.lookups, *plan_.energies);
+    }
+    whole.pixels.passes = std::move(made_.pixels.passes);
+    if (const std::string found = found_text(); !found.empty()) {
+      whole.pixels.passes.insert(whole.pixels.passes.begin(), {"cache", PassAction::reuse, found, milliseconds_});
+    }
+    whole.peak_bytes = made_.peak_bytes;
+    return whole;
+  }
+
+ private:
+  [[nodiscard]] bool spectral(std::size_t mip) const { return plan_.mips[mip].method == MipMethod::spectral; }
+
+  ResultStore& store_;
+  reflections::PrefilterPlan plan_;
+  std::vector<EntryName> names_;
+  Cubemap chain_;
+  std::vector<std::optional<MipRecord>> mips_;
+  std::size_t first_missing_ = 0;
+  std::size_t end_missing_ = 0;
+  std::string where_;
+  double milliseconds_ = 0.0;
+  PrefilteredSpecular made_;
+};
+
+}  // namespace
 }  // namespace welkin::cache
 
 namespace welkin {
@@ -260,6 +323,33 @@ BakeResult ResultCache::bake(const StoredEnvironment& file, const Plan& plan, co
   const platform::FloatingPointScope floating_point;
   BakeEntries entries(*store_);
   return files::bake_file_source(file, plan, &entries, control);
+}
+
+PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,
+                                                    const Control& control) {
+  const platform::FloatingPointScope floating_point;
+  const ContentHash pixels = hash_pixels(source, jobs::part_of(control, 0.0, cache::kHashing));
+  cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
+  const std::optional<reflections::PrefilterPlan> missing = chain.missing();
+  const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
+  auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
+  std::uint64_t sanitized_bytes = 0;
+  if (!sanitized || missing) {
+    const projection::SanitizedSource texels(source, options.pixels, {control.stop, {}});
+    sanitized_bytes = texels.bytes();
+    sanitized = cache::store_sanitized(*store_, sanitized_entry, texels);
+    if (missing) {
+      // Only the whole chain is a result.
+      Control making = jobs::part_of(control, cache::kHashing, 1.0);
+      making.memory = nullptr;
+      chain.add(reflections::prefilter(texels, *missing, {}, making));
+    }
+  }
+  PrefilteredSpecular specular = chain.take();
+  reflections::describe_pixels(sanitized->diagnostics, sanitized->clamped_radiance, specular);
+  specular.peak_bytes += sanitized_bytes;
+  if (control.progress) control.progress(1.0);
+  return specular;
 }
 
 }  // namespace welkin

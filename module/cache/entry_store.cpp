@@ -19,14 +19,14 @@ constexpr const char* kExtension = ".welkin-entry";
 std::optional<std::vector<std::uint8_t>> sound_payload(platform::SharedFile& file, const EntryName& name,
                                                        std::uint64_t most_bytes) {
   const std::optional<std::uint64_t> size = file.size();
-  EntryHeader header{};
+  std::array<std::uint8_t, kEntryHeaderBytes> start{};
   if (!size || *size < kEntryHeaderBytes || *size - kEntryHeaderBytes > most_bytes) return std::nullopt;
-  if (!file.read(header.data(), header.size())) return std::nullopt;
-  const std::optional<EntryStatement> statement = read_entry_header(header);
+  if (!file.read(start.data(), start.size())) return std::nullopt;
+  const std::optional<EntryHeader> header = read_entry_header(start);
   const std::uint64_t payload_bytes = *size - kEntryHeaderBytes;
-  if (!statement || !(statement->name == name) || statement->payload_bytes != payload_bytes) return std::nullopt;
+  if (!header || !(header->name() == name) || header->payload_bytes != payload_bytes) return std::nullopt;
   std::vector<std::uint8_t> payload(payload_bytes);
-  if (!file.read(payload.data(), payload.size()) || !is_payload_of(*statement, payload)) return std::nullopt;
+  if (!file.read(payload.data(), payload.size()) || !is_payload_of(*header, payload)) return std::nullopt;
   return payload;
 }
 
@@ -99,7 +99,7 @@ void EntryFolder::store(const EntryName& name, std::span<const std::uint8_t> pay
   try {
     platform::WholeFile file(path_of(name), nullptr, platform::WholeFile::Link::replaced);
     const EntryHeader header = entry_header(name, payload);
-    file.write(header.data(), header.size());
+    file.write(&header, sizeof header);
     file.write(payload.data(), payload.size());
     constexpr bool to_disk = true;
     file.finish(to_disk);
@@ -156,49 +156,30 @@ void EntryFolder::note_failure(const std::string& what) {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic{'W', 'L', 'K', 'N', 'E', 'N', 'T', '\n'};
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kSummedBytes = kEntryHeaderBytes - sizeof(std::uint64_t);
-
-void append(std::vector<std::uint8_t>& bytes, const ContentHash& hash) {
-  platform::append_little_endian(bytes, hash.high);
-  platform::append_little_endian(bytes, hash.low);
-}
-
-ContentHash hash_at(const std::uint8_t* bytes) {
-  return {platform::read_little_endian<std::uint64_t>(bytes), platform::read_little_endian<std::uint64_t>(bytes + 8)};
-}
+std::uint64_t sum_of(const EntryHeader& header) { return hash_bytes(&header, offsetof(EntryHeader, sum)).low; }
 
 }  // namespace
 
 EntryHeader entry_header(const EntryName& name, std::span<const std::uint8_t> payload) {
-  std::vector<std::uint8_t> bytes(kMagic.begin(), kMagic.end());
-  platform::append_little_endian(bytes, kVersion);
-  platform::append_little_endian(bytes, static_cast<std::uint32_t>(name.kind));
-  append(bytes, name.key);
-  platform::append_little_endian(bytes, static_cast<std::uint64_t>(payload.size()));
-  append(bytes, hash_bytes(payload.data(), payload.size()));
-  platform::append_little_endian(bytes, hash_bytes(bytes.data(), bytes.size()).low);
-  EntryHeader header{};
-  std::copy_n(bytes.begin(), header.size(), header.begin());
+  EntryHeader header{.kind = name.kind,
+                     .key = name.key,
+                     .payload_bytes = payload.size(),
+                     .checksum = hash_bytes(payload.data(), payload.size())};
+  header.sum = sum_of(header);
   return header;
 }
 
-std::optional<EntryStatement> read_entry_header(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < kEntryHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) return std::nullopt;
-  const std::uint8_t* const first = bytes.data();
-  if (platform::read_little_endian<std::uint64_t>(first + kSummedBytes) != hash_bytes(first, kSummedBytes).low) {
-    return std::nullopt;
-  }
-  if (platform::read_little_endian<std::uint32_t>(first + 8) != kVersion) return std::nullopt;
-  return EntryStatement{
-      {static_cast<EntryKind>(platform::read_little_endian<std::uint32_t>(first + 12)), hash_at(first + 16)},
-      platform::read_little_endian<std::uint64_t>(first + 32),
-      hash_at(first + 40)};
+std::optional<EntryHeader> read_entry_header(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() < kEntryHeaderBytes) return std::nullopt;
+  EntryHeader header;
+  std::memcpy(&header, bytes.data(), kEntryHeaderBytes);
+  const EntryHeader known;
+  const bool sound = header.magic == known.magic && header.version == known.version && header.sum == sum_of(header);
+  return sound ? std::optional(header) : std::nullopt;
 }
 
-bool is_payload_of(const EntryStatement& statement, std::span<const std::uint8_t> payload) {
-  return payload.size() == statement.payload_bytes && hash_bytes(payload.data(), payload.size()) == statement.checksum;
+bool is_payload_of(const EntryHeader& header, std::span<const std::uint8_t> payload) {
+  return payload.size() == header.payload_bytes && hash_bytes(payload.data(), payload.size()) == header.checksum;
 }
 
 Payload EntryMemory::find(const EntryName& name) {

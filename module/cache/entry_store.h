@@ -1,10 +1,8 @@
-// What an entry's file looks like. All little-endian, 64 bytes before the payload:
-//
-//   8 bytes "WLKNENT" and a line feed; uint32 version of this form; uint32 kind; 16 bytes key; uint64 bytes of payload;
-//   16 bytes XXH3-128 of the payload; uint64 XXH3 (low half) of all that came before.
+// What an entry's file looks like, and where entries are kept.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <list>
@@ -13,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
@@ -38,22 +37,29 @@ struct EntryName {
 };
 
 inline constexpr std::size_t kEntryHeaderBytes = 64;
-using EntryHeader = std::array<std::uint8_t, kEntryHeaderBytes>;
+
+/// The bytes before the payload, all little-endian.
+struct EntryHeader {
+  std::array<char, 8> magic{'W', 'L', 'K', 'N', 'E', 'N', 'T', '\n'};
+  std::uint32_t version = 1;  ///< of this form
+  EntryKind kind{};
+  ContentHash key;
+  std::uint64_t payload_bytes = 0;
+  ContentHash checksum;   ///< XXH3-128 of the payload
+  std::uint64_t sum = 0;  ///< XXH3 (low half) of all that came before
+
+  [[nodiscard]] EntryName name() const noexcept { return {kind, key}; }
+};
+static_assert(sizeof(EntryHeader) == kEntryHeaderBytes && std::has_unique_object_representations_v<EntryHeader> &&
+              std::endian::native == std::endian::little);
 
 [[nodiscard]] EntryHeader entry_header(const EntryName& name, std::span<const std::uint8_t> payload);
 
-/// What a header states.
-struct EntryStatement {
-  EntryName name;
-  std::uint64_t payload_bytes = 0;
-  ContentHash checksum;
-};
-
-/// Nothing if these are not the 64 bytes of a header of this version.
-[[nodiscard]] std::optional<EntryStatement> read_entry_header(std::span<const std::uint8_t> bytes);
+/// Nothing if these do not begin with a header of this version.
+[[nodiscard]] std::optional<EntryHeader> read_entry_header(std::span<const std::uint8_t> bytes);
 
 /// Whether a payload is the one that is stated.
-[[nodiscard]] bool is_payload_of(const EntryStatement& statement, std::span<const std::uint8_t> payload);
+[[nodiscard]] bool is_payload_of(const EntryHeader& header, std::span<const std::uint8_t> payload);
 
 // Entries in a folder that any number of processes share.
 

@@ -12,7 +12,6 @@
 #include "projection/cubemap_projection.h"
 #include "projection/projection_error.h"
 #include "projection/sanitizer.h"
-#include "reflections/prefilter.h"
 #include "sky/table_sizes.h"
 #include "welkin/bake_file.h"
 #include "welkin/core.h"
@@ -25,9 +24,8 @@ namespace {
 
 using cache::EntryKind;
 using cache::EntryName;
+using cache::kHashing;
 using cache::projection_name;
-
-constexpr double kHashing = 0.1;  ///< of the progress
 
 void finished(const Control& control) {
   if (control.progress) control.progress(1.0);
@@ -167,33 +165,6 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
   Projection projection = welkin::project_file(path, read_options, options, control);
   if (is_still(path, bytes)) store_->store(name, [&] { return cache::encode(projection); });
   return projection;
-}
-
-PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& source, const PrefilterOptions& options,
-                                                    const Control& control) {
-  const platform::FloatingPointScope floating_point;
-  const ContentHash pixels = hash_pixels(source, jobs::part_of(control, 0.0, kHashing));
-  cache::StoredChain chain(*store_, pixels, options.pixels, reflections::plan_prefilter(options), control.memory);
-  const std::optional<reflections::PrefilterPlan> missing = chain.missing();
-  const EntryName sanitized_entry = cache::sanitized_name(pixels, options.pixels);
-  auto sanitized = cache::find_sanitized(*store_, sanitized_entry);
-  std::uint64_t sanitized_bytes = 0;
-  if (!sanitized || missing) {
-    const projection::SanitizedSource texels(source, options.pixels, {control.stop, {}});
-    sanitized_bytes = texels.bytes();
-    sanitized = cache::store_sanitized(*store_, sanitized_entry, texels);
-    if (missing) {
-      // Only the whole chain is a result.
-      Control making = jobs::part_of(control, kHashing, 1.0);
-      making.memory = nullptr;
-      chain.add(reflections::prefilter(texels, *missing, {}, making));
-    }
-  }
-  PrefilteredSpecular specular = chain.take();
-  reflections::describe_pixels(sanitized->diagnostics, sanitized->clamped_radiance, specular);
-  specular.peak_bytes += sanitized_bytes;
-  finished(control);
-  return specular;
 }
 
 namespace {

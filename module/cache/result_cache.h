@@ -13,7 +13,6 @@
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "jobs/stopwatch.h"
-#include "reflections/prefilter_plan.h"
 #include "welkin/result_cache.h"
 
 namespace welkin::cache {
@@ -88,6 +87,8 @@ class ResultStore {
   std::atomic<std::uint64_t> misses_{0};
 };
 
+inline constexpr double kHashing = 0.1;  ///< of the progress
+
 /// Passes of a result that was found: what had been run is reused.
 inline void mark_reused(std::vector<PassRecord>& passes, const std::string& where, double milliseconds) {
   for (PassRecord& pass : passes) {
@@ -110,76 +111,6 @@ inline std::optional<Projection> find_projection(ResultStore& store, const Entry
   mark_reused(found->value.diagnostics.passes, found->where, found->milliseconds);
   return std::move(found->value);
 }
-
-// What sanitizing an image's pixels came to, kept so that what was made of them can be described without them.
-
-struct SanitizedPixels {
-  ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
-  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
-};
-
-[[nodiscard]] inline EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
-  return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
-}
-
-/// The entry is a projection's, whose total radiance before clamping is what the clamp
-/// took away.
-[[nodiscard]] inline std::optional<SanitizedPixels> find_sanitized(ResultStore& store, const EntryName& name) {
-  constexpr int bands = 1;
-  auto found =
-      store.find(name, projection_bytes(bands), [](ByteSpan bytes) { return decode_projection(bytes, bands); });
-  if (!found) return std::nullopt;
-  SanitizedPixels sanitized{std::move(found->value.diagnostics), {}};
-  std::swap(sanitized.diagnostics.total_radiance_before_clamp, sanitized.clamped_radiance);
-  return sanitized;
-}
-
-inline SanitizedPixels store_sanitized(ResultStore& store, const EntryName& name,
-                                       const projection::SanitizedSource& source) {
-  Projection entry{SphericalHarmonics(1), source.diagnostics()};
-  entry.diagnostics.total_radiance_before_clamp = source.clamped_radiance();
-  store.store(name, [&] { return encode(entry); });
-  return {source.diagnostics(), source.clamped_radiance()};
-}
-
-// A prefiltered chain mip by mip: what was made before, for whatever chain, is not made again.
-
-/// A chain while it is put together.
-class StoredChain {
- public:
-  /// Looks for all mips that `plan` makes of a source. `source`: hash of its pixels.
-  StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
-              const reflections::PrefilterPlan& plan, memory_resource* memory);
-
-  /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.
-  [[nodiscard]] std::optional<reflections::PrefilterPlan> missing() const;
-
-  /// By what decides the bits of a mip.
-  [[nodiscard]] const ContentHash& key(int mip) const { return names_[static_cast<std::size_t>(mip)].key; }
-
-  /// Takes that chain over, and keeps its mips for others.
-  void add(PrefilteredSpecular made);
-
-  /// The whole chain; of its `pixels` only the passes are filled in. Once.
-  [[nodiscard]] PrefilteredSpecular take();
-
-  [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }  ///< that finding took
-  [[nodiscard]] std::string found_text() const;  ///< "found on disk", "3 of 5 mips found on disk"; empty: none
-
- private:
-  [[nodiscard]] bool spectral(std::size_t mip) const { return plan_.mips[mip].method == MipMethod::spectral; }
-
-  ResultStore& store_;
-  reflections::PrefilterPlan plan_;
-  std::vector<EntryName> names_;
-  Cubemap chain_;
-  std::vector<std::optional<MipRecord>> mips_;
-  std::size_t first_missing_ = 0;
-  std::size_t end_missing_ = 0;
-  std::string where_;
-  double milliseconds_ = 0.0;
-  PrefilteredSpecular made_;
-};
 
 }  // namespace welkin::cache
 

@@ -64,29 +64,20 @@ class Image {
   astcenc_image image_;
 };
 
-class Decoder final : public AstcDecoder {
- public:
-  explicit Decoder(TexelKind kind)
-      : edge_(block_edge(kind)), context_(context_for(ASTCENC_PRF_HDR, kind, 0.0F, ASTCENC_FLG_DECOMPRESS_ONLY)) {}
+constexpr astcenc_swizzle kAsItIs{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
 
-  void decode_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) override {
-    const int top = first_row / edge_ * edge_;
-    const int bottom = (first_row + rows + edge_ - 1) / edge_ * edge_;
-    const int across = (width + edge_ - 1) / edge_;
-    const auto bytes =
-        kBlockBytes * static_cast<std::size_t>(across) * static_cast<std::size_t>((bottom - top) / edge_);
-    Image image(width, bottom - top);
-    constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
-    require_success(astcenc_decompress_image(context_.get(), blocks, bytes, image.image(), &as_it_is, kThread));
-    const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(rows);
-    const float* rgba = image.values() + std::ptrdiff_t{4} * width * (first_row - top);
-    for (std::size_t k = 0; k < texels; ++k, rgba += 4, rgb += 3) std::copy_n(rgba, 3, rgb);
-  }
-
- private:
-  int edge_;
-  Context context_;
-};
+void decode_rows(astcenc_context* context, int edge, const std::uint8_t* blocks, int width, int first_row, int rows,
+                 float* rgb) {
+  const int top = first_row / edge * edge;
+  const int bottom = (first_row + rows + edge - 1) / edge * edge;
+  const int across = (width + edge - 1) / edge;
+  const auto bytes = kBlockBytes * static_cast<std::size_t>(across) * static_cast<std::size_t>((bottom - top) / edge);
+  Image image(width, bottom - top);
+  require_success(astcenc_decompress_image(context, blocks, bytes, image.image(), &kAsItIs, kThread));
+  const auto texels = static_cast<std::size_t>(width) * static_cast<std::size_t>(rows);
+  const float* rgba = image.values() + std::ptrdiff_t{4} * width * (first_row - top);
+  for (std::size_t k = 0; k < texels; ++k, rgba += 4, rgb += 3) std::copy_n(rgba, 3, rgb);
+}
 
 float quality_of(AstcEffort effort) {
   switch (effort) {
@@ -226,9 +217,8 @@ class Balancer {
 
   [[nodiscard]] Error error_of(const Area& area, Image& given, const std::uint8_t* bytes) const {
     Image decoded(area.width, area.height);
-    constexpr astcenc_swizzle as_it_is{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_A};
     require_success(astcenc_decompress_reset(context_));
-    require_success(astcenc_decompress_image(context_, bytes, kBlockBytes, decoded.image(), &as_it_is, kThread));
+    require_success(astcenc_decompress_image(context_, bytes, kBlockBytes, decoded.image(), &kAsItIs, kThread));
     Error error;
     for (int k = 0; k < 4 * area.width * area.height; ++k) {
       if (k % 4 == 3) continue;
@@ -311,8 +301,13 @@ class Balancer {
 
 }  // namespace
 
-std::unique_ptr<AstcDecoder> make_astc_decoder(TexelKind kind, const std::filesystem::path& /*path*/) {
-  return std::make_unique<Decoder>(kind);
+AstcDecoder make_astc_decoder(TexelKind kind, const std::filesystem::path& /*path*/) {
+  const std::shared_ptr<astcenc_context> context =
+      context_for(ASTCENC_PRF_HDR, kind, 0.0F, ASTCENC_FLG_DECOMPRESS_ONLY);
+  return
+      [context, edge = block_edge(kind)](const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) {
+        decode_rows(context.get(), edge, blocks, width, first_row, rows, rgb);
+      };
 }
 
 BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelKind kind, AstcEffort effort,

@@ -154,9 +154,9 @@ std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> /*packed*
 #endif
 
 #if !WELKIN_ASTC
-std::unique_ptr<AstcDecoder> make_astc_decoder(TexelKind /*kind*/, const std::filesystem::path& path) {
+AstcDecoder make_astc_decoder(TexelKind /*kind*/, const std::filesystem::path& path) {
   require_codec(Codec::astc, path, "save it in another format");
-  return nullptr;
+  return {};
 }
 BlockLevels encode_astc(std::span<const std::vector<LatLongView>> /*levels*/, TexelKind /*kind*/, AstcEffort /*effort*/,
                         const Control& /*control*/) {

@@ -46,21 +46,18 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   layout.container = FileFormat::dds;
   layout.kind = *kind_with(&KindTraits::dxgi, fields[kFormat]);
   settle_texture(file, layout, fields[kWidth], fields[kHeight], levels, cube ? 6 : 1, fields[kArraySize], element);
-  layout.levels.resize(levels);
   std::uint64_t chain = 0;  // of a face
   for (std::uint32_t level = 0; level < levels; ++level) chain += layout.face_bytes(static_cast<int>(level));
-  const auto faces = static_cast<std::size_t>(layout.faces());
-  std::uint64_t slot = kDdsFirstTexel + chain * faces * static_cast<std::uint64_t>(element);
-  for (std::size_t face = 0; face < faces; ++face) {
-    for (std::uint32_t level = 0; level < levels; ++level) {
-      layout.levels[level].faces[face] = slot;
-      slot += layout.face_bytes(static_cast<int>(level));
-    }
+  const std::uint64_t element_bytes = chain * static_cast<std::uint64_t>(layout.faces());
+  std::uint64_t slot = kDdsFirstTexel + element_bytes * static_cast<std::uint64_t>(element);
+  for (std::uint32_t level = 0; level < levels; ++level) {
+    layout.levels.push_back({slot, chain});
+    slot += layout.face_bytes(static_cast<int>(level));
   }
-  slot += chain * faces * static_cast<std::uint64_t>(layout.elements - 1 - element);
-  if (slot > file.size()) {
+  const std::uint64_t end = kDdsFirstTexel + element_bytes * static_cast<std::uint64_t>(layout.elements);
+  if (end > file.size()) {
     refuse_texture(file, ErrorCode::corrupt_file,
-                   "ends too early: its levels end at " + std::to_string(slot) + ", the file has " +
+                   "ends too early: its levels end at " + std::to_string(end) + ", the file has " +
                        std::to_string(file.size()) + " bytes; fetch or export it again");
   }
   return layout;

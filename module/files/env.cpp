@@ -210,30 +210,16 @@ class EnvRowReader final : public RowReader {
   std::vector<float> face_pixels_;
 };
 
-class EnvSource final : public RowSource {
- public:
-  EnvSource(EnvironmentInfo info, FileInput input, EnvManifest manifest, int level)
-      : RowSource(std::move(info), std::move(input)), manifest_(std::move(manifest)), level_(level) {}
-
-  [[nodiscard]] int natural_rows() const override { return info().width; }
-  [[nodiscard]] int section_rows() const override { return info().width; }
-  [[nodiscard]] bool has_prefiltered_levels() const override { return true; }
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    return rgb_bytes(info().width, info().width) + env_reader_bytes(info().width, longest(manifest_.specular));
+/// `size`: of the level's faces.
+RowTraits env_traits(const EnvManifest& manifest, int level, int size) {
+  RowTraits traits{.natural_rows = size, .sections = 6, .prefiltered_levels = true};
+  traits.reader_bytes = rgb_bytes(size, size) + env_reader_bytes(size, longest(manifest.specular));
+  traits.smaller_reader = "export it again with smaller faces";
+  if (manifest.polynomial && level == 0) {
+    traits.stored_radiance = rotate(harmonics::radiance_of(*manifest.polynomial), kMirrorX);
   }
-  [[nodiscard]] const char* smaller_reader() const override { return "export it again with smaller faces"; }
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<EnvRowReader>(input(), manifest_, level_, info().width);
-  }
-  [[nodiscard]] std::optional<SphericalHarmonics> stored_radiance() const override {
-    if (!manifest_.polynomial || level_ != 0) return std::nullopt;
-    return rotate(harmonics::radiance_of(*manifest_.polynomial), kMirrorX);
-  }
-
- private:
-  EnvManifest manifest_;
-  int level_;
-};
+  return traits;
+}
 
 // Files to be written: version 2, with PNG images.
 
@@ -342,7 +328,7 @@ EnvManifest manifest_for(const BabylonEnvironment& environment, const std::vecto
 }  // namespace
 
 std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions& options) {
-  EnvManifest manifest = read_env_manifest(file);
+  const EnvManifest manifest = read_env_manifest(file);
   EnvironmentInfo info;
   info.path = file.path();
   info.format = FileFormat::babylon;
@@ -354,7 +340,11 @@ std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions&
   info.notes.emplace_back("RGBD ends at 255: brighter values were clamped when the file was written");
   if (manifest.polynomial) info.notes.emplace_back("stores its diffuse light as a polynomial");
   info.notes.emplace_back("levels are prefiltered for reflections; level 0 is the sharpest");
-  return std::make_unique<EnvSource>(std::move(info), input_of(file), std::move(manifest), options.level);
+  const auto open = [input = input_of(file), manifest, level = options.level, size = info.width] {
+    return std::make_unique<EnvRowReader>(input, manifest, level, size);
+  };
+  RowTraits traits = env_traits(manifest, options.level, info.width);
+  return std::make_unique<RowSource>(std::move(info), std::move(traits), open);
 }
 
 }  // namespace welkin::files

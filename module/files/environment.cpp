@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -24,7 +25,12 @@ namespace {
 bool lies_as_in_memory(const RowSource& source) {
   const Layout layout = source.info().layout;
   return layout == Layout::lat_long || layout == Layout::six_files ||
-         (layout == Layout::vertical_strip && !source.has_openexr_cube_frames());
+         (layout == Layout::vertical_strip && !source.traits().openexr_cube_frames);
+}
+
+/// Where a cube's faces lie in the image.
+const CubePlacement& placement_in(const RowSource& source) {
+  return source.traits().openexr_cube_frames ? openexr_cube_placement() : cube_placement(source.info().layout);
 }
 
 std::uint64_t pixel_bytes(const EnvironmentInfo& info) {
@@ -56,10 +62,6 @@ void scatter_faces(const RowSource& source, std::uint64_t memory_limit_bytes, co
 
 }  // namespace
 
-const CubePlacement& placement_in(const RowSource& source) {
-  return source.has_openexr_cube_frames() ? openexr_cube_placement() : cube_placement(source.info().layout);
-}
-
 Environment read_whole(const RowSource& source, const ReadOptions& options, const Control& control) {
   const EnvironmentInfo& info = source.info();
   const std::uint64_t bytes = pixel_bytes(info);
@@ -85,15 +87,14 @@ namespace {
 
 // What one row adds. Each row has a slot of its own and slots are added from top to bottom, so that neither
 // the number of threads nor the way in which the file is cut shows in the sums.
-struct RowStatistics {
-  glm::dvec3 minimum{std::numeric_limits<double>::infinity()};
-  glm::dvec3 maximum{-std::numeric_limits<double>::infinity()};
-  glm::dvec3 total_radiance{};  // sum of value times solid angle
-  glm::dvec3 solid_angle{};     // of the finite values
-  std::uint64_t nans = 0, infinities = 0, negatives = 0;
+struct RowStatistics : EnvironmentStatistics {
+  RowStatistics() {
+    minimum = glm::dvec3(std::numeric_limits<double>::infinity());
+    maximum = -minimum;
+  }
+
+  glm::dvec3 solid_angle{};  // of the finite values; `total_radiance` is the sum of value times solid angle
   double brightest_luminance = -std::numeric_limits<double>::infinity();
-  int brightest_column = 0;
-  glm::dvec3 brightest{};
 };
 
 double luminance(const glm::dvec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
@@ -186,13 +187,10 @@ class Geometry {
 
 EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowStatistics>& rows) {
   RowStatistics total;
-  int brightest_row = 0;
   for (std::size_t index = 0; index < rows.size(); ++index) {
     const RowStatistics& row = rows[index];
-    for (int channel = 0; channel < 3; ++channel) {
-      total.minimum[channel] = std::min(total.minimum[channel], row.minimum[channel]);
-      total.maximum[channel] = std::max(total.maximum[channel], row.maximum[channel]);
-    }
+    total.minimum = glm::min(total.minimum, row.minimum);
+    total.maximum = glm::max(total.maximum, row.maximum);
     total.total_radiance += row.total_radiance;
     total.solid_angle += row.solid_angle;
     total.nans += row.nans;
@@ -201,29 +199,23 @@ EnvironmentStatistics summarise(const Geometry& geometry, const std::vector<RowS
     if (row.brightest_luminance > total.brightest_luminance) {
       total.brightest_luminance = row.brightest_luminance;
       total.brightest_column = row.brightest_column;
+      total.brightest_row = static_cast<int>(index);
       total.brightest = row.brightest;
-      brightest_row = static_cast<int>(index);
     }
   }
 
-  EnvironmentStatistics result;
+  EnvironmentStatistics& result = total;
   result.texels = geometry.texels();
   for (int channel = 0; channel < 3; ++channel) {
-    if (total.solid_angle[channel] > 0.0) {  // else the channel has no finite value, and its numbers stay 0
-      result.minimum[channel] = total.minimum[channel];
-      result.maximum[channel] = total.maximum[channel];
+    if (total.solid_angle[channel] > 0.0) {
       result.mean[channel] = total.total_radiance[channel] / total.solid_angle[channel];
+    } else {  // the channel has no finite value
+      result.minimum[channel] = result.maximum[channel] = 0.0;
     }
   }
   result.total_radiance = 4.0 * std::numbers::pi * result.mean;
-  result.nans = total.nans;
-  result.infinities = total.infinities;
-  result.negatives = total.negatives;
-  result.brightest_column = total.brightest_column;
-  result.brightest_row = brightest_row;
-  result.brightest = total.brightest;
   if (std::isfinite(total.brightest_luminance)) {  // else there is none, and its direction stays 0
-    result.brightest_direction = geometry.direction(total.brightest_column, brightest_row);
+    result.brightest_direction = geometry.direction(total.brightest_column, total.brightest_row);
   }
   return result;
 }

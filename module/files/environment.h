@@ -1,4 +1,4 @@
-// What is made of a source of rows: an environment in memory, or a projection.
+// What is made of a file: an environment in memory, a projection or a bake.
 #pragma once
 
 #include <filesystem>
@@ -7,13 +7,16 @@
 #include "files/layout.h"
 #include "files/row_source.h"
 #include "platform/file.h"
+#include "welkin/bake.h"
+#include "welkin/bake_file.h"
 #include "welkin/core.h"
 #include "welkin/projection.h"
 
-namespace welkin::files {
+namespace welkin::baking {
+class ArtefactStore;
+}  // namespace welkin::baking
 
-/// Where a cube's faces lie in the image. Throws `Error` (invalid_argument) for a lat-long.
-[[nodiscard]] const CubePlacement& placement_in(const RowSource& source);
+namespace welkin::files {
 
 /// Decodes all rows of a source, several groups at a time; the faces of a cube, whatever its layout, go each to its
 /// own place. What lies beside them in a cross is decoded and not kept. Throws `Error`: limit_exceeded before
@@ -39,5 +42,9 @@ auto naming_file(const std::filesystem::path& path, const Work& work) {
 /// Projects the level that `source` reads: a lat-long streams, a cube is read whole. See `project_file`.
 [[nodiscard]] Projection project_source(const RowSource& source, const ReadOptions& read_options,
                                         const ProjectionOptions& options, const Control& control);
+
+/// Bakes a file; what is said of a rejected pixel names it. Throws as `run_bake`.
+[[nodiscard]] BakeResult bake_file_source(const StoredEnvironment& file, const Plan& plan, baking::ArtefactStore* store,
+                                          const Control& control);
 
 }  // namespace welkin::files

@@ -131,11 +131,13 @@ struct ExrImage {
 
 // Compressions, and sizes of an OpenEXR image's levels.
 
-/// Scanlines that a compression packs together; 0 if the compression is not known.
-[[nodiscard]] int scanlines_per_block(Imf::Compression compression) noexcept;
+struct CompressionKind {
+  const char* name;  ///< "none", "zip", ..
+  int scanlines;     ///< that are compressed together
+};
 
-/// "none", "zip", ..; nullptr if it is not known.
-[[nodiscard]] const char* compression_name(Imf::Compression compression) noexcept;
+/// nullptr if it is not known.
+[[nodiscard]] const CompressionKind* compression_kind(Imf::Compression compression) noexcept;
 
 /// The levels of an image of width x height, full size first: of a mip map all, of a rip map those that shrink both
 /// ways, else one. Each edge halves from level to level, rounded as the file says, down to 1

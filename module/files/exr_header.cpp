@@ -16,22 +16,12 @@
 namespace welkin::files {
 namespace {
 
-struct CompressionKind {
-  const char* name;
-  int scanlines;  // that are compressed together
-};
-
 // By Imf::Compression's values.
 constexpr std::array kCompressions{
     CompressionKind{"none", 1},  CompressionKind{"rle", 1},    CompressionKind{"zips", 1}, CompressionKind{"zip", 16},
     CompressionKind{"piz", 32},  CompressionKind{"pxr24", 16}, CompressionKind{"b44", 32}, CompressionKind{"b44a", 32},
     CompressionKind{"dwaa", 32}, CompressionKind{"dwab", 256}};
 static_assert(Imf::DWAB_COMPRESSION + 1 == kCompressions.size());
-
-const CompressionKind* find_compression(Imf::Compression compression) noexcept {
-  const auto index = static_cast<std::size_t>(compression);
-  return index < kCompressions.size() ? &kCompressions[index] : nullptr;
-}
 
 std::int64_t halve(std::int64_t edge, Imf::LevelRoundingMode rounding) {
   return std::max<std::int64_t>((rounding == Imf::ROUND_UP ? edge + 1 : edge) / 2, 1);
@@ -56,14 +46,9 @@ double tiles_across(std::int64_t edge, unsigned tile) {
 
 }  // namespace
 
-int scanlines_per_block(Imf::Compression compression) noexcept {
-  const CompressionKind* kind = find_compression(compression);
-  return kind == nullptr ? 0 : kind->scanlines;
-}
-
-const char* compression_name(Imf::Compression compression) noexcept {
-  const CompressionKind* kind = find_compression(compression);
-  return kind == nullptr ? nullptr : kind->name;
+const CompressionKind* compression_kind(Imf::Compression compression) noexcept {
+  const auto index = static_cast<std::size_t>(compression);
+  return index < kCompressions.size() ? &kCompressions[index] : nullptr;
 }
 
 std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height) {
@@ -109,8 +94,8 @@ double chunk_count(const Imf::Header& header, bool tiled) {
   if (tiled) {
     return tile_count(header.tileDescription(), static_cast<int>(width), static_cast<int>(height));
   }
-  const int scanlines = std::max(scanlines_per_block(header.compression()), 1);
-  return std::ceil(static_cast<double>(height) / scanlines);
+  const CompressionKind* const kind = compression_kind(header.compression());
+  return std::ceil(static_cast<double>(height) / (kind != nullptr ? kind->scanlines : 1));
 }
 
 // OpenEXR allows 255 bytes for a name; the longest sound header seen was a few megabytes of preview.
@@ -134,8 +119,9 @@ constexpr std::array kFixedSizes{
     FixedSize{"v3d", 24},     FixedSize{"v3f", 12},        FixedSize{"v3i", 12},
 };
 
-[[noreturn]] void reject(const platform::ByteFile& file, const std::string& what) {
-  throw platform::file_error(ErrorCode::corrupt_file, file.path(), "its OpenEXR header is damaged: " + what);
+[[noreturn]] void reject(const std::filesystem::path& path, const std::string& what) {
+  throw platform::file_error(ErrorCode::corrupt_file, path,
+                             "its OpenEXR header is damaged: " + what + "; fetch or export it again");
 }
 
 // Little-endian, as everything in OpenEXR.
@@ -150,7 +136,7 @@ std::string read_name(platform::ByteFile& file, std::uint64_t end) {
   while (true) {
     char c = 0;
     if (file.position() >= end) {
-      reject(file, "a name does not end");
+      reject(file.path(), "a name does not end");
     }
     file.read(&c, 1);
     if (c == 0) {
@@ -158,7 +144,7 @@ std::string read_name(platform::ByteFile& file, std::uint64_t end) {
     }
     name += c;
     if (name.size() > kLongestName) {
-      reject(file, "a name is longer than " + std::to_string(kLongestName) + " bytes");
+      reject(file.path(), "a name is longer than " + std::to_string(kLongestName) + " bytes");
     }
   }
 }
@@ -184,7 +170,7 @@ void walk_preview(platform::ByteFile& file) {
   const std::uint64_t width = read_uint32(file);
   const std::uint64_t height = read_uint32(file);
   if (width > kLargestHeader || height > kLargestHeader) {
-    reject(file, "its preview is too large");
+    reject(file.path(), "its preview is too large");
   }
   file.seek(file.position() + 4 * width * height);
 }
@@ -224,12 +210,12 @@ void check_attributes(platform::ByteFile& file) {
     const std::string title =
         "attribute \"" + platform::printable(name) + "\" of type \"" + platform::printable(type) + "\"";
     if (file.position() > limit || size > limit - file.position()) {
-      reject(file, title + " claims " + std::to_string(size) + " bytes, which it does not have");
+      reject(file.path(), title + " claims " + std::to_string(size) + " bytes, which it does not have");
     }
     const std::uint64_t end = file.position() + size;
     walk_value(file, type, size);
     if (file.position() != end) {
-      reject(file, title + " claims " + std::to_string(size) + " bytes, which is not its size");
+      reject(file.path(), title + " claims " + std::to_string(size) + " bytes, which is not its size");
     }
   }
 }
@@ -239,11 +225,6 @@ constexpr std::size_t kMaxParts = 1024;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {
   throw platform::file_error(ErrorCode::unsupported_file, path, found_and_remedy);
-}
-
-[[noreturn]] void reject(const std::filesystem::path& path, const std::string& what) {
-  throw platform::file_error(ErrorCode::corrupt_file, path,
-                             "its OpenEXR header is damaged: " + what + "; fetch or export it again");
 }
 
 int read_version(platform::ByteFile& file) {

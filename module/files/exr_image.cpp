@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -146,12 +147,12 @@ bool has_levels(const ExrPart& part) {
 }
 
 void name_compression(ExrImage& image, const Imf::Header& header) {
-  const char* name = compression_name(header.compression());
-  if (name == nullptr) {
+  const CompressionKind* const kind = compression_kind(header.compression());
+  if (kind == nullptr) {
     refuse(image.info, "has an unknown compression (method " + std::to_string(static_cast<int>(header.compression())) +
                            "); save it as zip or piz");
   }
-  image.info.compression = name;
+  image.info.compression = kind->name;
 }
 
 void place_windows(ExrImage& image, const ExrPart& part, Layout asked_for) {
@@ -222,7 +223,7 @@ void measure_units(ExrImage& image, const Imf::Header& header) {
     const std::uint64_t area = std::uint64_t{tiles.xSize} * tiles.ySize;
     image.unit_bytes = area > kMaximumUnitBytes ? area : area * texel;
   } else {
-    const auto scanlines = static_cast<std::uint64_t>(scanlines_per_block(header.compression()));
+    const auto scanlines = static_cast<std::uint64_t>(compression_kind(header.compression())->scanlines);
     image.info.storage = "scanline";
     image.unit_rows = static_cast<int>(std::min(scanlines, height));
     image.unit_bytes = texel * static_cast<std::uint64_t>(image.data_width) * scanlines;
@@ -289,22 +290,6 @@ std::string channel_names(const EnvironmentInfo& info) {
   return platform::printable(names);
 }
 
-std::string layer_of(const std::string& channel) {
-  const std::size_t dot = channel.rfind('.');
-  return dot == std::string::npos ? "" : channel.substr(0, dot);
-}
-
-// The names before the last dot, "" first, each once. Channels are sorted by name, but not by layer.
-std::vector<std::string> layer_names(const Imf::ChannelList& channels) {
-  std::vector<std::string> names;
-  for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
-    names.push_back(layer_of(channel.name()));
-  }
-  std::sort(names.begin(), names.end());
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
 std::optional<ExrChannels> image_in(const Imf::ChannelList& channels, const std::string& layer) {
   const std::string prefix = layer.empty() ? "" : layer + ".";
   const auto has = [&](const char* name) { return channels.findChannel(prefix + name) != nullptr; };
@@ -323,8 +308,11 @@ std::optional<ExrChannels> image_in(const Imf::ChannelList& channels, const std:
 }
 
 std::vector<Layer> find_images(const Imf::ChannelList& channels) {
+  std::set<std::string> names;
+  channels.layers(names);
+  names.insert("");  // the channels without one
   std::vector<Layer> found;
-  for (const std::string& name : layer_names(channels)) {
+  for (const std::string& name : names) {
     if (const std::optional<ExrChannels> image = image_in(channels, name)) {
       found.push_back({name, *image});
     }

@@ -463,59 +463,45 @@ std::uint64_t luminance_chroma_bytes(int width) noexcept {
 // Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
 int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_rows - 1) / unit_rows * unit_rows; }
 
-class ExrSource final : public RowSource {
- public:
-  explicit ExrSource(const ExrImage& image) : RowSource(image.info, image.input), image_(image) {}
-
-  [[nodiscard]] int natural_rows() const override {
-    const int rows =
-        image_.channels.kind == Kind::luminance_chroma ? luminance_chroma_rows(image_.unit_rows) : image_.unit_rows;
-    return std::min(rows, image_.info.height);
-  }
-
-  [[nodiscard]] bool has_openexr_cube_frames() const override { return image_.cube_frames; }
-  [[nodiscard]] bool has_prefiltered_levels() const override { return image_.prefiltered; }
-
+RowTraits exr_traits(const ExrImage& image) {
+  const bool chroma = image.channels.kind == Kind::luminance_chroma;
+  const int together = chroma ? luminance_chroma_rows(image.unit_rows) : image.unit_rows;
+  const std::uint64_t rows = rgb_bytes(image.data_width, image.unit_rows);
+  RowTraits traits{.natural_rows = std::min(together, image.info.height),
+                   .openexr_cube_frames = image.cube_frames,
+                   .prefiltered_levels = image.prefiltered};
   // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
   // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    const std::uint64_t rows = rgb_bytes(image_.data_width, image_.unit_rows);
-    return 5 * image_.unit_bytes + (image_.tiled ? rows : 0) + (image_.is_framed() ? rows : 0) +
-           (image_.channels.kind == Kind::luminance_chroma ? luminance_chroma_bytes(image_.data_width) : 0) +
-           image_.table_bytes + (std::uint64_t{1} << 20U);
-  }
+  traits.reader_bytes = 5 * image.unit_bytes + (image.tiled ? rows : 0) + (image.is_framed() ? rows : 0) +
+                        (chroma ? luminance_chroma_bytes(image.data_width) : 0) + image.table_bytes +
+                        (std::uint64_t{1} << 20U);
+  return traits;
+}
 
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return call_openexr(image_.info.path, [&] {
-      std::unique_ptr<RowReader> reader = open_stored_rows();
-      if (image_.channels.kind == Kind::luminance || image_.to_rec709) {
-        reader = std::make_unique<ColourReader>(std::move(reader), image_);
-      }
-      if (image_.is_framed()) {
-        reader = std::make_unique<FramedReader>(std::move(reader), image_);
-      }
-      return reader;
-    });
-  }
+std::unique_ptr<RowReader> open_stored_rows(const ExrImage& image) {
+  if (image.channels.kind == Kind::luminance_chroma) return std::make_unique<LuminanceChromaReader>(image);
+  if (image.tiled) return std::make_unique<TiledReader>(image);
+  return std::make_unique<ScanlineReader>(image);
+}
 
- private:
-  [[nodiscard]] std::unique_ptr<RowReader> open_stored_rows() const {
-    if (image_.channels.kind == Kind::luminance_chroma) {
-      return std::make_unique<LuminanceChromaReader>(image_);
+std::unique_ptr<RowReader> open_rows(const ExrImage& image) {
+  return call_openexr(image.info.path, [&] {
+    std::unique_ptr<RowReader> reader = open_stored_rows(image);
+    if (image.channels.kind == Kind::luminance || image.to_rec709) {
+      reader = std::make_unique<ColourReader>(std::move(reader), image);
     }
-    if (image_.tiled) {
-      return std::make_unique<TiledReader>(image_);
+    if (image.is_framed()) {
+      reader = std::make_unique<FramedReader>(std::move(reader), image);
     }
-    return std::make_unique<ScanlineReader>(image_);
-  }
-
-  ExrImage image_;
-};
+    return reader;
+  });
+}
 
 }  // namespace
 
 std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& options) {
-  return std::make_unique<ExrSource>(inspect_exr(file, options));
+  const ExrImage image = inspect_exr(file, options);
+  return std::make_unique<RowSource>(image.info, exr_traits(image), [image] { return open_rows(image); });
 }
 
 }  // namespace welkin::files

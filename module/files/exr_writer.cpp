@@ -94,8 +94,8 @@ Imf::Header make_header(const OutputImage& image, const WriteJob& job) {
   header.compression() = Imf::ZIP_COMPRESSION;
   const Imf::PixelType type = job.type == SampleType::float32 ? Imf::FLOAT : Imf::HALF;
   for (const char* name : kNames) header.channels().insert(name, Imf::Channel(type));
-  if (job.openexr_lat_long) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
-  if (job.openexr_cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  if (job.envmap == Envmap::lat_long) Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
+  if (job.envmap == Envmap::cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
   return header;
 }
 

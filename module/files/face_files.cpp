@@ -330,32 +330,16 @@ class SixFilesReader final : public RowReader {
   std::unique_ptr<RowReader> reader_;
 };
 
-class SixFilesSource final : public RowSource {
- public:
-  SixFilesSource(const FileInput& input, Faces faces, const std::string& reason)
-      : RowSource(describe(input.path(), faces, reason), input), faces_(std::move(faces)) {}
-
-  [[nodiscard]] int natural_rows() const override {
-    int rows = 1;
-    for (const auto& face : faces_) rows = std::max(rows, face->natural_rows());
-    return rows;
+RowTraits six_files_traits(const Faces& faces) {
+  RowTraits traits{.sections = 6};
+  for (const auto& face : faces) {
+    const RowTraits& its = face->traits();
+    traits.natural_rows = std::max(traits.natural_rows, its.natural_rows);
+    traits.sequential = traits.sequential || its.sequential;
+    traits.reader_bytes = std::max(traits.reader_bytes, its.reader_bytes);
   }
-  [[nodiscard]] int section_rows() const override { return info().width; }
-  [[nodiscard]] bool sequential() const override {
-    return std::any_of(faces_.begin(), faces_.end(), [](const auto& face) { return face->sequential(); });
-  }
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    std::uint64_t bytes = 0;
-    for (const auto& face : faces_) bytes = std::max(bytes, face->reader_bytes());
-    return bytes;
-  }
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<SixFilesReader>(faces_);
-  }
-
- private:
-  Faces faces_;
-};
+  return traits;
+}
 
 }  // namespace
 
@@ -372,10 +356,11 @@ std::vector<FileInput> six_inputs(const FileInput& input) {
 
 std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
                                           const ReadOptions& options, const std::string& reason) {
-  Faces faces;
-  for (std::size_t face = 0; face < faces.size(); ++face) faces[face] = open_face(inputs[face], options);
-  require_fitting_faces(faces);
-  return std::make_unique<SixFilesSource>(input, std::move(faces), reason);
+  const auto faces = std::make_shared<Faces>();
+  for (std::size_t face = 0; face < faces->size(); ++face) (*faces)[face] = open_face(inputs[face], options);
+  require_fitting_faces(*faces);
+  return std::make_unique<RowSource>(describe(input.path(), *faces, reason), six_files_traits(*faces),
+                                     [faces] { return std::make_unique<SixFilesReader>(*faces); });
 }
 
 std::array<std::filesystem::path, 6> face_files(const std::filesystem::path& path) {

@@ -14,11 +14,37 @@
 #include "files/primaries.h"
 #include "files/row_source.h"
 #include "image/pixels.h"
+#include "math/elementary.h"
 #include "platform/file.h"
 #include "platform/text.h"
 
 namespace welkin::files {
 namespace {
+
+/// Factors 2^gain of samples of 8 bits, or of values between them.
+class GainCurve {
+ public:
+  explicit GainCurve(const GainMap& map) {
+    constexpr double kLogarithmOf2 = 0.69314718055994530942;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      minimum_[channel] = map.minimum[channel] * kLogarithmOf2;
+      range_[channel] = (map.maximum[channel] - map.minimum[channel]) * kLogarithmOf2;
+      exponent_[channel] = 1.0 / map.gamma[channel];
+    }
+  }
+
+  /// The factor of a sample, 0 to 255, of a channel: the same bits everywhere.
+  [[nodiscard]] double factor(std::size_t channel, double sample) const noexcept {
+    double share = sample / 255.0;
+    if (exponent_[channel] != 1.0 && share > 0.0) {
+      share = math::exponential(exponent_[channel] * math::logarithm(share));
+    }
+    return math::exponential(minimum_[channel] + range_[channel] * share);
+  }
+
+ private:
+  std::array<double, 3> minimum_{}, range_{}, exponent_{};  // in natural logarithms
+};
 
 /// The two images of a file, and how samples of the base become light.
 struct Pair {
@@ -133,31 +159,15 @@ class JpegReader final : public SequentialReader {
   std::vector<std::uint8_t> coded_;
 };
 
-class JpegSource final : public RowSource {
- public:
-  JpegSource(EnvironmentInfo info, FileInput input, const Pair& pair)
-      : RowSource(std::move(info), std::move(input)), pair_(pair) {}
-
-  [[nodiscard]] int natural_rows() const override { return 1; }
-  [[nodiscard]] bool sequential() const override { return true; }
-
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    return JpegDecoder::memory_bytes(pair_.base) + JpegDecoder::memory_bytes(pair_.map) +
-           2 * rgb_bytes(pair_.map.width, 1) + rgb_bytes(pair_.base.width, 1);
+RowTraits jpeg_traits(const Pair& pair) {
+  RowTraits traits{.sequential = true};
+  traits.reader_bytes = JpegDecoder::memory_bytes(pair.base) + JpegDecoder::memory_bytes(pair.map) +
+                        2 * rgb_bytes(pair.map.width, 1) + rgb_bytes(pair.base.width, 1);
+  if (pair.base.buffered || pair.map.buffered) {
+    traits.smaller_reader = "save it as a baseline JPEG: as it is, it must be decoded whole";
   }
-
-  [[nodiscard]] const char* smaller_reader() const override {
-    return pair_.base.buffered || pair_.map.buffered ? "save it as a baseline JPEG: as it is, it must be decoded whole"
-                                                     : RowSource::smaller_reader();
-  }
-
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<JpegReader>(input(), pair_);
-  }
-
- private:
-  Pair pair_;
-};
+  return traits;
+}
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason) {
   throw platform::file_error(ErrorCode::unsupported_file, path, reason);
@@ -222,7 +232,8 @@ std::unique_ptr<RowSource> open_jpeg(platform::ByteFile& file, const ReadOptions
   }
   pair.matrix = matrix_of(pair.base, options.primaries, info);
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<JpegSource>(std::move(info), input_of(file), pair);
+  const auto open = [input = input_of(file), pair] { return std::make_unique<JpegReader>(input, pair); };
+  return std::make_unique<RowSource>(std::move(info), jpeg_traits(pair), open);
 }
 
 }  // namespace welkin::files

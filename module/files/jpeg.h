@@ -35,18 +35,6 @@ struct GainMap {
   std::array<double, 3> alternate_offset{1.0 / 64, 1.0 / 64, 1.0 / 64};
 };
 
-/// Factors 2^gain of samples of 8 bits, or of values between them.
-class GainCurve {
- public:
-  explicit GainCurve(const GainMap& map);
-
-  /// The factor of a sample, 0 to 255, of a channel: the same bits everywhere.
-  [[nodiscard]] double factor(std::size_t channel, double sample) const noexcept;
-
- private:
-  std::array<double, 3> minimum_{}, range_{}, exponent_{};  // in natural logarithms
-};
-
 // The file's images.
 
 /// The contents of one JPEG image's markers. (ITU-T T.81, annex B.)

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "files/jpeg.h"
-#include "math/elementary.h"
 #include "platform/file.h"
 #include "platform/text.h"
 
@@ -419,23 +418,6 @@ std::vector<JpegSegments> jpeg_images(platform::ByteFile& file) {
     seen = 0;
   }
   return images;
-}
-
-GainCurve::GainCurve(const GainMap& map) {
-  constexpr double kLogarithmOf2 = 0.69314718055994530942;
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    minimum_[channel] = map.minimum[channel] * kLogarithmOf2;
-    range_[channel] = (map.maximum[channel] - map.minimum[channel]) * kLogarithmOf2;
-    exponent_[channel] = 1.0 / map.gamma[channel];
-  }
-}
-
-double GainCurve::factor(std::size_t channel, double sample) const noexcept {
-  double share = sample / 255.0;
-  if (exponent_[channel] != 1.0 && share > 0.0) {
-    share = math::exponential(exponent_[channel] * math::logarithm(share));
-  }
-  return math::exponential(minimum_[channel] + range_[channel] * share);
 }
 
 }  // namespace welkin::files

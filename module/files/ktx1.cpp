@@ -111,10 +111,7 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
                          std::to_string(wanted));
     }
     slot += 4;
-    TextureLayout::Level found;
-    for (int face = 0; face < layout.faces(); ++face)
-      found.faces[static_cast<std::size_t>(face)] = slot + layout.first_byte_of(level, face);
-    layout.levels.push_back(found);
+    layout.levels.push_back({slot + layout.first_byte_of(level, 0), layout.face_bytes(level)});
     slot += whole;  // all kinds have rows of a multiple of four bytes: there is no padding
   }
   return layout;

@@ -171,18 +171,12 @@ TextureLayout::Level read_level(platform::ByteFile& file, const TextureLayout& l
                    "its " + what + " has " + std::to_string(bytes) + " compressed bytes, which cannot expand to " +
                        std::to_string(wanted));
   }
-  if (packed) {
-    std::vector<std::uint8_t> first(std::min<std::uint64_t>(bytes, kFirstPackedBytes));
-    file.seek(offset);
-    file.read(first.data(), first.size());
-    require_unpacks(layout.supercompression, first, wanted, file.path());
-  }
-  TextureLayout::Level found;
-  found.first_byte = offset;
-  found.packed_bytes = bytes;
-  for (int face = 0; !packed && face < layout.faces(); ++face)
-    found.faces[static_cast<std::size_t>(face)] = offset + layout.first_byte_of(level, face);
-  return found;
+  if (!packed) return {offset + layout.first_byte_of(level, 0), layout.face_bytes(level)};
+  std::vector<std::uint8_t> first(std::min<std::uint64_t>(bytes, kFirstPackedBytes));
+  file.seek(offset);
+  file.read(first.data(), first.size());
+  require_unpacks(layout.supercompression, first, wanted, file.path());
+  return {.first_byte = offset, .packed_bytes = bytes};
 }
 
 }  // namespace

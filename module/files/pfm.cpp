@@ -112,8 +112,8 @@ void swap_bytes(float* values, std::size_t count) {
 
 class PfmReader final : public RowReader {
  public:
-  PfmReader(const FileInput& input, const PfmImage& image, const EnvironmentInfo& info)
-      : image_(image), width_(static_cast<std::size_t>(info.width)), height_(info.height), file_(open_file(input)) {}
+  PfmReader(const FileInput& input, const PfmImage& image, int width, int height)
+      : image_(image), width_(static_cast<std::size_t>(width)), height_(height), file_(open_file(input)) {}
 
   // Rows lie in the file from bottom to top: the last one that is asked for comes first.
   void read(int first_row, int row_count, float* rgb) override {
@@ -143,21 +143,6 @@ class PfmReader final : public RowReader {
   std::size_t width_;
   int height_;
   platform::ByteFile file_;
-};
-
-class PfmSource final : public RowSource {
- public:
-  PfmSource(EnvironmentInfo info, FileInput input, const PfmImage& image)
-      : RowSource(std::move(info), std::move(input)), image_(image) {}
-
-  [[nodiscard]] int natural_rows() const override { return 1; }
-  [[nodiscard]] std::uint64_t reader_bytes() const override { return std::uint64_t{64} << 10U; }
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<PfmReader>(input(), image_, info());
-  }
-
- private:
-  PfmImage image_;
 };
 
 }  // namespace
@@ -191,7 +176,10 @@ std::unique_ptr<RowSource> open_pfm(platform::ByteFile& file, const ReadOptions&
                       " follow the header; fetch or export it again");
   }
   decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PfmSource>(std::move(info), input_of(file), image);
+  const auto open = [input = input_of(file), image, width = info.width, height = info.height] {
+    return std::make_unique<PfmReader>(input, image, width, height);
+  };
+  return std::make_unique<RowSource>(std::move(info), RowTraits{.reader_bytes = std::uint64_t{64} << 10U}, open);
 }
 
 static_assert(std::endian::native == std::endian::little, "rows are written as they lie in memory");

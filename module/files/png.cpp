@@ -1,11 +1,10 @@
-// PNG through libspng: environments as rows (written as sRGB, 8 or 16 bits a channel, no alpha), and the small images
-// of .env files.
+// PNG through libspng: images that are written (as sRGB, 8 or 16 bits a channel, no alpha), and the small images of
+// .env files.
 #include "files/png.h"
 
 #include <spng.h>
 
 #include <algorithm>
-#include <cmath>
 #include <exception>
 #include <memory>
 #include <new>
@@ -14,184 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "files/codecs.h"
 #include "files/env.h"
-#include "files/layout.h"
-#include "files/primaries.h"
 #include "files/write_environment.h"
 #include "image/pixels.h"
 #include "jobs/control.h"
 #include "platform/file.h"
-#include "platform/standard_library.h"
-#include "platform/text.h"
 
 namespace welkin::files {
-namespace {
-
-// What libspng and zlib hold beside rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
-constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
-
-class PngReader final : public SequentialReader {
- public:
-  PngReader(const FileInput& input, const PngHeader& header, const PngSamples& samples)
-      : SequentialReader(header.width), input_(input), header_(header), samples_(samples) {
-    open();
-    const std::size_t rows = header.interlaced ? static_cast<std::size_t>(header.height) : 1;
-    coded_ = platform::make_unique_for_overwrite<std::uint8_t[]>(header.row_bytes() * rows);
-  }
-
-  void read(int first_row, int row_count, float* rgb) override {
-    if (!header_.interlaced) return SequentialReader::read(first_row, row_count, rgb);
-    if (!std::exchange(holds_all_, true)) decoder_->decode_all(coded_.get());
-    samples_.convert(coded_.get() + header_.row_bytes() * static_cast<std::size_t>(first_row),
-                     static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(row_count), rgb);
-  }
-
- private:
-  void restart() override { open(); }
-
-  // If the file is another one by now, its rows may not fit where they would go.
-  void open() {
-    decoder_ = std::make_unique<PngDecoder>(input_);
-    const PngHeader& found = decoder_->header();
-    if (found.width != header_.width || found.height != header_.height || found.bits != header_.bits ||
-        found.interlaced != header_.interlaced) {
-      throw platform::file_error(ErrorCode::file_access, input_.path(), "has changed while it was read; read it again");
-    }
-  }
-
-  void next(int /*row*/, float* rgb) override {
-    decoder_->decode_row(coded_.get());
-    if (rgb != nullptr) samples_.convert(coded_.get(), static_cast<std::size_t>(header_.width), rgb);
-  }
-
-  const FileInput& input_;  // the source's
-  const PngHeader& header_;
-  const PngSamples& samples_;
-  std::unique_ptr<PngDecoder> decoder_;
-  std::unique_ptr<std::uint8_t[]> coded_;  // a row, or all of them
-  bool holds_all_ = false;                 // of an interlaced image
-};
-
-class PngSource final : public RowSource {
- public:
-  PngSource(EnvironmentInfo info, FileInput input, const PngHeader& header, PngSamples samples)
-      : RowSource(std::move(info), std::move(input)), header_(header), samples_(std::move(samples)) {}
-
-  [[nodiscard]] int natural_rows() const override { return 1; }
-  [[nodiscard]] bool sequential() const override { return true; }
-
-  // Three rows are libspng's.
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    const auto rows = static_cast<std::uint64_t>(header_.interlaced ? header_.height : 1);
-    return header_.row_bytes() * (rows + 3) + samples_.memory_bytes() + kOfLibraries;
-  }
-
-  [[nodiscard]] const char* smaller_reader() const override {
-    return header_.interlaced ? "save it without interlacing: as it is, it must be decoded whole"
-                              : RowSource::smaller_reader();
-  }
-
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<PngReader>(input(), header_, samples_);
-  }
-
- private:
-  PngHeader header_;
-  PngSamples samples_;
-};
-
-ChannelType type_of_samples(const PngHeader& header) {
-  if (header.palette) return ChannelType::uint8;
-  switch (header.bits) {
-    case 1: return ChannelType::uint1;
-    case 2: return ChannelType::uint2;
-    case 4: return ChannelType::uint4;
-    case 16: return ChannelType::uint16;
-    default: return ChannelType::uint8;
-  }
-}
-
-void list_channels(EnvironmentInfo& info, const PngHeader& header) {
-  const ChannelType type = type_of_samples(header);
-  add_channels(info, header.grey ? "Y" : "RGB", type);
-  if (header.alpha) {
-    info.channels.push_back({"A", type});
-    info.notes.emplace_back("alpha is ignored");
-  }
-}
-
-bool says_linear(const PngHeader& header) {
-  return header.gamma && !header.says_srgb && std::abs(*header.gamma - 1.0) < 0.01;
-}
-
-// What the samples mean, and a note of what told it.
-Transfer decide_transfer(const PngHeader& header, Transfer asked_for, EnvironmentInfo& info) {
-  if (header.has_code_points) {
-    info.notes.emplace_back("its cICP chunk (video colour) is not applied");
-  }
-  if (header.has_profile) {
-    info.notes.emplace_back("its ICC profile is not applied");
-  }
-  if (asked_for != Transfer::automatic) {
-    info.notes.emplace_back(asked_for == Transfer::linear ? "samples are read as linear, as requested"
-                                                          : "samples are read as sRGB, as requested");
-    return asked_for;
-  }
-  if (says_linear(header)) {
-    info.notes.emplace_back("samples are read as linear, because the gAMA chunk is 1");
-    return Transfer::linear;
-  }
-  std::string reason = header.says_srgb ? ", as the sRGB chunk states" : ", the default";
-  if (header.gamma && !header.says_srgb) {
-    const bool close_to_srgb = std::abs(*header.gamma - 1.0 / 2.2) < 0.01;
-    reason = close_to_srgb ? ", as the gAMA chunk nearly states"
-                           : "; its gAMA of " + platform::number_text(*header.gamma) +
-                                 " is not applied: convert it if it is right";
-  }
-  info.notes.push_back("samples are read as sRGB" + reason);
-  return Transfer::srgb;
-}
-
-// deflate makes at best 1032 bytes of one (zlib's technical notes).
-void require_plausible_size(const platform::ByteFile& file, const PngHeader& header) {
-  const std::uint64_t samples = header.palette || header.grey ? 1 : 3;
-  const std::uint64_t bits = samples * static_cast<std::uint64_t>(header.bits) *
-                             static_cast<std::uint64_t>(header.width) * static_cast<std::uint64_t>(header.height);
-  const std::uint64_t wanted = bits / 8 / 1032;
-  if (wanted > file.size()) {
-    throw platform::file_error(ErrorCode::corrupt_file, file.path(),
-                               "ends too early: " + std::to_string(header.width) + " x " +
-                                   std::to_string(header.height) + " texels of a PNG take at least " +
-                                   std::to_string(wanted) + " bytes, and the file has " + std::to_string(file.size()) +
-                                   "; fetch or export it again");
-  }
-}
-
-}  // namespace
-
-std::unique_ptr<RowSource> open_png(platform::ByteFile& file, const ReadOptions& options) {
-  const PngHeader header = PngDecoder(input_of(file)).header();
-  require_plausible_size(file, header);
-
-  EnvironmentInfo info;
-  info.path = file.path();
-  info.format = FileFormat::png;
-  info.compression = "deflate";
-  info.storage = header.interlaced ? "interlaced" : "scanline";
-  info.width = header.width;
-  info.height = header.height;
-  list_channels(info, header);
-  const Transfer transfer = decide_transfer(header, options.transfer, info);
-  const std::optional<glm::dmat3> matrix =
-      header.primaries && !header.says_srgb
-          ? rec709_from_stated(*header.primaries, "the cHRM chunk", options.primaries, info)
-          : std::nullopt;
-  decide_layout(info, options.layout, std::nullopt);
-  return std::make_unique<PngSource>(std::move(info), input_of(file), header,
-                                     PngSamples(header.bits == 16, transfer, matrix));
-}
-
 namespace {
 
 /// Encodes to the code whose light is nearest in the encoded scale: where the curve passes half a code, the next one

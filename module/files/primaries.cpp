@@ -151,13 +151,4 @@ std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const
   return matrix;
 }
 
-std::optional<glm::dmat3> rec709_from_stored_xyz(Primaries wanted, EnvironmentInfo& info) {
-  if (wanted == Primaries::as_stored) {
-    info.notes.emplace_back("primaries are left as stored: CIE XYZ");
-    return std::nullopt;
-  }
-  info.notes.emplace_back("primaries were converted to Rec. 709 from CIE XYZ");
-  return to_rec709(kCieXyz);
-}
-
 }  // namespace welkin::files

@@ -50,7 +50,4 @@ void apply(const glm::dmat3& matrix, float* rgb, std::size_t texels) noexcept;
 [[nodiscard]] std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where,
                                                            Primaries wanted, EnvironmentInfo& info);
 
-/// From CIE XYZ; nothing if the numbers are wanted as stored.
-[[nodiscard]] std::optional<glm::dmat3> rec709_from_stored_xyz(Primaries wanted, EnvironmentInfo& info);
-
 }  // namespace welkin::files

@@ -75,7 +75,7 @@ Projection project_lat_long(const RowSource& source, const ReadOptions& read_opt
                             const Control& control) {
   const EnvironmentInfo& info = source.info();
   projection::LatLongProjector projector(info.width, info.height, options, jobs::worker_count(jobs::Placement::arena));
-  const RowGroups groups{group_rows(projector.rows_per_block(), source.natural_rows()),
+  const RowGroups groups{group_rows(projector.rows_per_block(), source.traits().natural_rows),
                          read_options.memory_limit_bytes};
   std::atomic<Clock::rep> projecting{0};
   const std::chrono::nanoseconds decoding = for_each_row_group(source, groups, control, [&](const RowGroup& group) {
@@ -128,8 +128,8 @@ Projection project_level(const FileInput& input, const EnvironmentInfo& full, in
 
 /// The light that the file stores, if it is all that was asked for.
 std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, const ProjectionOptions& options) {
-  std::optional<SphericalHarmonics> stored = source.stored_radiance();
-  return stored && options.bands <= stored->bands() ? std::move(stored) : std::nullopt;
+  const std::optional<SphericalHarmonics>& stored = source.traits().stored_radiance;
+  return stored && options.bands <= stored->bands() ? stored : std::nullopt;
 }
 
 Projection reused(const RowSource& source, const SphericalHarmonics& radiance, const ProjectionOptions& options,
@@ -191,7 +191,7 @@ Projection project_file(const FileInput& input, const ReadOptions& read_options,
   if (std::optional<SphericalHarmonics> radiance = files::reusable_radiance(*source, options)) {
     return files::reused(*source, *std::move(radiance), options, control);
   }
-  if (read_options.level == 0 && !source->has_prefiltered_levels()) {
+  if (read_options.level == 0 && !source->traits().prefiltered_levels) {
     if (const std::optional<int> level = files::level_for_target(source->info(), options)) {
       return files::project_level(input, source->info(), *level, read_options, options, control);
     }

@@ -164,7 +164,7 @@ struct Cut {
   Cut(const RowSource& source, int rows)
       : section_rows(source.section_rows()),
         group_rows(std::min(rows, section_rows)),
-        sections(static_cast<std::size_t>(source.info().height / section_rows)),
+        sections(static_cast<std::size_t>(source.traits().sections)),
         groups_per_section(static_cast<std::size_t>((section_rows + group_rows - 1) / group_rows)) {}
 
   [[nodiscard]] RowGroup group(std::size_t section, std::size_t index) const {
@@ -202,14 +202,14 @@ class Run {
         row_floats_(std::size_t{3} * static_cast<std::size_t>(source.info().width)),
         place_(placement(groups.memory_limit_bytes)),
         workers_(jobs::worker_count(place_)),
-        turns_(source.sequential() ? cut_.sections : 0) {}
+        turns_(source.traits().sequential ? cut_.sections : 0) {}
 
   std::chrono::nanoseconds operator()(const std::function<void(const RowGroup&)>& work) {
     const std::size_t count = cut_.sections * cut_.groups_per_section;
     jobs::run_tiles(count, place_, workers_.size(), control_, [&](std::size_t tile, std::size_t worker) {
       const std::size_t section = tile / cut_.groups_per_section;
       RowGroup group;
-      if (source_.sequential()) {
+      if (source_.traits().sequential) {
         if (!read_in_turn(section, worker, group)) return;
       } else {
         group = cut_.group(section, tile % cut_.groups_per_section);
@@ -227,7 +227,7 @@ class Run {
 
   [[nodiscard]] jobs::Placement placement(std::uint64_t limit) const {
     const EnvironmentInfo& info = source_.info();
-    const std::uint64_t reader = source_.reader_bytes();
+    const std::uint64_t reader = source_.traits().reader_bytes;
     const std::uint64_t buffer = buffer_bytes();
     const std::uint64_t alone = reader + buffer;
     if (alone > limit) {
@@ -235,12 +235,13 @@ class Run {
                                  "decoding " + std::to_string(cut_.group_rows) + " rows at once (" + info.storage +
                                      ", " + info.compression + ") takes " + std::to_string(alone) + " bytes, above " +
                                      (in_place_ != nullptr ? "what the image leaves of the limit, " : "the limit of ") +
-                                     std::to_string(limit) + "; raise the limit, or " + source_.smaller_reader());
+                                     std::to_string(limit) + "; raise the limit, or " +
+                                     source_.traits().smaller_reader);
     }
     const bool small = std::int64_t{info.width} * info.height < kTexelsForPool;
-    const bool nothing_to_share = source_.sequential() && cut_.sections == 1 && in_place_ != nullptr;
+    const bool nothing_to_share = source_.traits().sequential && cut_.sections == 1 && in_place_ != nullptr;
     const std::uint64_t threads = jobs::worker_count(jobs::Placement::arena);
-    const std::uint64_t readers = source_.sequential() ? cut_.sections : threads;
+    const std::uint64_t readers = source_.traits().sequential ? cut_.sections : threads;
     const std::uint64_t left = limit - alone;  // for all but the first reader and the first buffer
     const bool too_much = exceeds(readers - 1, reader, left) || exceeds(threads - 1, buffer, left) ||
                           (readers - 1) * reader > left - (threads - 1) * buffer;
@@ -296,7 +297,7 @@ class Run {
 }  // namespace
 
 int comfortable_group_rows(const RowSource& source) {
-  const std::int64_t natural = source.natural_rows();
+  const std::int64_t natural = source.traits().natural_rows;
   const std::int64_t texels = natural * source.info().width;
   const std::int64_t rows = natural * ((kTexelsPerTask + texels - 1) / texels);
   return static_cast<int>(std::min<std::int64_t>(rows, source.section_rows()));

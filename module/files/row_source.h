@@ -78,53 +78,58 @@ class SequentialReader : public RowReader {
   int next_row_ = 0;
 };
 
-class RowSource {
- public:
-  virtual ~RowSource() = default;
-
-  [[nodiscard]] const EnvironmentInfo& info() const noexcept { return info_; }
-
+/// What an image's header says of its rows.
+struct RowTraits {
   /// Rows that decode together: a compressed block of scanlines, a row of tiles. At least 1, at most the
   /// section's rows. Reading multiples of it from multiples of it (counted in a section) decodes everything once.
-  [[nodiscard]] virtual int natural_rows() const = 0;
+  int natural_rows = 1;
 
-  /// Rows of a part that decodes on its own: the height, or less where the image is made up from several files.
-  /// The height is a multiple of it.
-  [[nodiscard]] virtual int section_rows() const { return info_.height; }
+  /// Parts of as many rows that decode on their own: six where the image is made up from six files.
+  int sections = 1;
 
-  /// Whether rows can only be decoded one after the other from the top (a PNG). Then a section has one reader, its
-  /// reads start at the section's top and follow one another without a gap, and whoever needs the next rows waits
-  /// for the turn.
-  [[nodiscard]] virtual bool sequential() const { return false; }
+  /// Rows can only be decoded one after the other from the top (a PNG). Then a section has one reader, its reads start
+  /// at the section's top and follow one another without a gap, and whoever needs the next rows waits for the turn.
+  bool sequential = false;
 
-  /// Whether the image is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers
-  /// hand out the rows as they are in the file all the same.
-  [[nodiscard]] virtual bool has_openexr_cube_frames() const { return false; }
+  /// The image is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers hand out
+  /// the rows as they are in the file all the same.
+  bool openexr_cube_frames = false;
 
-  /// Whether the smaller levels are blurred for reflections, so that none of them stands for the image.
-  [[nodiscard]] virtual bool has_prefiltered_levels() const { return false; }
+  /// The smaller levels are blurred for reflections, so that none of them stands for the image.
+  bool prefiltered_levels = false;
 
   /// Three bands of radiance that the file stores beside the image, in Welkin's axes.
-  [[nodiscard]] virtual std::optional<SphericalHarmonics> stored_radiance() const { return std::nullopt; }
+  std::optional<SphericalHarmonics> stored_radiance{};
 
-  /// An upper bound, by the header alone, on what one reader holds in memory.
-  [[nodiscard]] virtual std::uint64_t reader_bytes() const = 0;
+  /// An upper bound on what one reader holds in memory.
+  std::uint64_t reader_bytes = 0;
 
   /// What would make a reader take less, for a message: "..., or save it with smaller blocks".
-  [[nodiscard]] virtual const char* smaller_reader() const { return "save it with smaller blocks"; }
+  const char* smaller_reader = "save it with smaller blocks";
+};
+
+/// What a header says, and readers of the rows behind it.
+class RowSource {
+ public:
+  using Open = std::function<std::unique_ptr<RowReader>()>;
+
+  /// `open` makes a reader, which may refer to what the function holds. Throws as `RowReader::read`.
+  RowSource(EnvironmentInfo info, RowTraits traits, Open open)
+      : info_(std::move(info)), traits_(std::move(traits)), open_(std::move(open)) {}
+  RowSource(const RowSource&) = delete;
+  RowSource& operator=(const RowSource&) = delete;
+
+  [[nodiscard]] const EnvironmentInfo& info() const noexcept { return info_; }
+  [[nodiscard]] const RowTraits& traits() const noexcept { return traits_; }
+  [[nodiscard]] int section_rows() const noexcept { return info_.height / traits_.sections; }
 
   /// The reader must not outlive the source. Throws as `RowReader::read`.
-  [[nodiscard]] virtual std::unique_ptr<RowReader> open_reader() const = 0;
-
- protected:
-  RowSource(EnvironmentInfo info, FileInput input) : info_(std::move(info)), input_(std::move(input)) {}
-
-  /// What readers open.
-  [[nodiscard]] const FileInput& input() const noexcept { return input_; }
+  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const { return open_(); }
 
  private:
   EnvironmentInfo info_;
-  FileInput input_;
+  RowTraits traits_;
+  Open open_;
 };
 
 /// Opens one image file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is

@@ -1,13 +1,14 @@
 // Sky tables in a file of their own, all little-endian:
 //
 //   8 bytes "WLKNSKY" and a line feed; uint32 version; uint32 CRC-32 of all that follows; uint64 bytes that follow;
-//   uint32 bytes of parameters; the parameters, in the order of `write_parameters`; transmittance, scattering, single
+//   uint32 bytes of parameters; the parameters, in the order of `parameters`; transmittance, scattering, single
 //   Mie and irradiance as floats, their sizes being those that the options give.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "files/crc32.h"
@@ -38,144 +39,114 @@ constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
 constexpr std::uint32_t kMaxParameterBytes = 1U << 20U;
 constexpr std::size_t kMaxText = 4096;
-constexpr std::size_t kMaxValues = 96;
-constexpr std::size_t kMaxLayers = 8;
-constexpr std::size_t kMaxAbsorbers = 4;
 
-constexpr std::array kLayerFields{&DensityLayer::thickness_m, &DensityLayer::exponential_term,
-                                  &DensityLayer::exponential_scale_per_m, &DensityLayer::linear_term_per_m,
-                                  &DensityLayer::constant_term};
+/// A number of the file: real ones are doubles; whole ones have 8 bytes or 4, as enumerators have.
+template <class Value>
+inline constexpr bool kIsNumber = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
 
-/// Appends values to bytes.
-class Writer {
+/// Appends values to bytes, or takes them back from there; lists state their length first. Nothing is read past the
+/// end, and no count is believed that the end does not bear out.
+class Archive {
  public:
-  std::vector<std::uint8_t> bytes;
+  enum class Way { write, read };
 
-  void put(std::uint32_t value) { platform::append_little_endian(bytes, value); }
-  void put(std::uint64_t value) { platform::append_little_endian(bytes, value); }
-  void put(int value) { put(static_cast<std::uint32_t>(value)); }
-  void put(double value) { put(platform::bit_cast<std::uint64_t>(value)); }
-  void put(const std::string& text) {
-    put(static_cast<std::uint32_t>(text.size()));
-    bytes.insert(bytes.end(), text.begin(), text.end());
-  }
-  void put(const std::vector<double>& values) {
-    put(static_cast<std::uint32_t>(values.size()));
-    for (const double value : values) put(value);
-  }
-  void put(const DensityLayer& layer) {
-    for (const auto field : kLayerFields) put(layer.*field);
-  }
-  void put(const Constituent& matter) {
-    put(static_cast<std::uint32_t>(matter.density.size()));
-    for (const DensityLayer& layer : matter.density) put(layer);
-    put(matter.scattering_per_m);
-    put(matter.absorption_per_m);
-  }
-};
+  Archive(Way way, std::vector<std::uint8_t>& bytes, const std::filesystem::path& path)
+      : way_(way), bytes_(bytes), path_(path) {}
 
-/// Takes them back; nothing is read past the end, and no count is believed that the end does not bear out.
-class Reader {
- public:
-  Reader(const std::vector<std::uint8_t>& bytes, const std::filesystem::path& path) : bytes_(bytes), path_(path) {}
-
-  void get(std::uint32_t& value) { value = platform::read_little_endian<std::uint32_t>(take(sizeof value)); }
-  void get(std::uint64_t& value) { value = platform::read_little_endian<std::uint64_t>(take(sizeof value)); }
-  void get(int& value) {
-    std::uint32_t bits = 0;
-    get(bits);
-    value = static_cast<int>(bits);
-  }
-  void get(double& value) {
-    std::uint64_t bits = 0;
-    get(bits);
-    value = platform::bit_cast<double>(bits);
-  }
-  void get(std::string& text) {
-    const std::size_t length = count(kMaxText, "characters of the name");
-    const std::uint8_t* const first = take(length);
-    text.assign(first, first + length);
-  }
-  void get(std::vector<double>& values) {
-    values.resize(count(kMaxValues, "values of a spectrum"));
-    for (double& value : values) get(value);
-  }
-  void get(DensityLayer& layer) {
-    for (const auto field : kLayerFields) get(layer.*field);
-  }
-  void get(Constituent& matter) {
-    matter.density.resize(count(kMaxLayers, "layers"));
-    for (DensityLayer& layer : matter.density) get(layer);
-    get(matter.scattering_per_m);
-    get(matter.absorption_per_m);
-  }
-  std::size_t count(std::size_t most, const char* what) {
-    std::uint32_t value = 0;
-    get(value);
-    if (value > most) {
-      damaged(path_,
-              "states " + std::to_string(value) + " " + what + ", more than the limit of " + std::to_string(most));
-    }
-    return value;
+  template <class... Values>
+  void all(Values&... values) {
+    (each(values), ...);
   }
   [[nodiscard]] bool at_end() const noexcept { return position_ == bytes_.size(); }
 
  private:
-  const std::uint8_t* take(std::size_t count) {
-    if (count > bytes_.size() - position_) {
-      damaged(path_, "its parameters end too early");
+  template <class Value>
+  void each(Value& value) requires kIsNumber<Value> {
+    std::conditional_t<sizeof(Value) == sizeof(std::uint64_t), std::uint64_t, std::uint32_t> bits{};
+    if constexpr (std::is_floating_point_v<Value>) {
+      bits = platform::bit_cast<std::uint64_t>(value);
+      raw(&bits, sizeof bits);
+      value = platform::bit_cast<double>(bits);
+    } else {
+      bits = static_cast<decltype(bits)>(value);
+      raw(&bits, sizeof bits);
+      value = static_cast<Value>(bits);
     }
+  }
+  void each(std::string& text) {
+    text.resize(count(text.size(), kMaxText, "characters of the name"));
+    raw(text.data(), text.size());
+  }
+  void each(std::vector<double>& values) { list(values, 96, "values of a spectrum"); }
+  void each(std::vector<DensityLayer>& layers) { list(layers, 8, "layers"); }
+  void each(std::vector<Constituent>& absorbers) { list(absorbers, 4, "absorbers"); }
+  void each(DensityLayer& layer) {
+    all(layer.thickness_m, layer.exponential_term, layer.exponential_scale_per_m, layer.linear_term_per_m,
+        layer.constant_term);
+  }
+  void each(Constituent& matter) { all(matter.density, matter.scattering_per_m, matter.absorption_per_m); }
+
+  template <class Value>
+  void list(std::vector<Value>& values, std::size_t most, const char* what) {
+    values.resize(count(values.size(), most, what));
+    for (Value& value : values) each(value);
+  }
+  /// `size` of what is written; returned is that of what is read.
+  std::size_t count(std::size_t size, std::size_t most, const char* what) {
+    auto stated = static_cast<std::uint32_t>(size);
+    each(stated);
+    if (way_ == Way::read && stated > most) {
+      damaged(path_,
+              "states " + std::to_string(stated) + " " + what + ", more than the limit of " + std::to_string(most));
+    }
+    return stated;
+  }
+  void raw(void* value, std::size_t count) {
+    if (way_ == Way::write) bytes_.resize(position_ + count);
+    if (count > bytes_.size() - position_) damaged(path_, "its parameters end too early");
+    std::uint8_t* const place = bytes_.data() + position_;
     position_ += count;
-    return bytes_.data() + (position_ - count);
+    if (count == 0) return;
+    way_ == Way::write ? std::memcpy(place, value, count) : std::memcpy(value, place, count);
   }
 
-  const std::vector<std::uint8_t>& bytes_;
+  Way way_;
+  std::vector<std::uint8_t>& bytes_;
   const std::filesystem::path& path_;
   std::size_t position_ = 0;
 };
 
-/// One list for both ways. Tables: SkyTables or const SkyTables.
-template <class Archive, class Tables>
-void parameters(Archive&& each, Tables& tables) {
-  auto& air = tables.atmosphere;
-  each(air.name, air.wavelengths_nm, air.bottom_radius_m, air.top_radius_m, air.rayleigh, air.aerosol,
-       air.aerosol_asymmetry, air.aerosol_asymmetries, air.ground_albedo, air.solar_irradiance,
-       air.sun_angular_radius_degrees, air.night_zenith_luminance);
-  auto& options = tables.options;
-  each(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles, options.transmittance_heights,
-       options.transmittance_zeniths, options.irradiance_heights, options.irradiance_sun_zeniths,
-       options.minimum_sun_elevation_degrees, options.orders, options.convergence_threshold, options.memory_limit_bytes,
-       tables.orders, tables.last_change);
+/// All but the tables themselves, for both ways.
+void parameters(Archive& archive, SkyTables& tables) {
+  Atmosphere& air = tables.atmosphere;
+  archive.all(air.name, air.wavelengths_nm, air.bottom_radius_m, air.top_radius_m, air.rayleigh, air.aerosol,
+              air.aerosol_asymmetry, air.aerosol_asymmetries, air.ground_albedo, air.solar_irradiance,
+              air.sun_angular_radius_degrees, air.night_zenith_luminance);
+  SkyTableOptions& options = tables.options;
+  archive.all(options.heights, options.view_zeniths, options.sun_zeniths, options.sun_angles,
+              options.transmittance_heights, options.transmittance_zeniths, options.irradiance_heights,
+              options.irradiance_sun_zeniths, options.minimum_sun_elevation_degrees, options.orders,
+              options.convergence_threshold, options.memory_limit_bytes, tables.orders, tables.last_change);
+  archive.all(air.absorbers, air.aerosol_phase, options.layout, options.colour, options.truncate_orders);
 }
 
-std::vector<std::uint8_t> write_parameters(const SkyTables& tables) {
-  Writer writer;
-  parameters([&](const auto&... values) { (writer.put(values), ...); }, tables);
-  writer.put(static_cast<std::uint32_t>(tables.atmosphere.absorbers.size()));
-  for (const Constituent& absorber : tables.atmosphere.absorbers) writer.put(absorber);
-  writer.put(static_cast<int>(tables.atmosphere.aerosol_phase));
-  writer.put(static_cast<int>(tables.options.layout));
-  writer.put(static_cast<int>(tables.options.colour));
-  writer.put(static_cast<int>(tables.options.truncate_orders));
-  return std::move(writer.bytes);
+std::vector<std::uint8_t> write_parameters(const SkyTables& tables, const std::filesystem::path& path) {
+  SkyTables stated;
+  stated.atmosphere = tables.atmosphere;
+  stated.options = tables.options;
+  stated.orders = tables.orders;
+  stated.last_change = tables.last_change;
+  std::vector<std::uint8_t> bytes;
+  Archive archive(Archive::Way::write, bytes, path);
+  parameters(archive, stated);
+  return bytes;
 }
 
-SkyTables read_parameters(const std::vector<std::uint8_t>& bytes, const std::filesystem::path& path) {
+SkyTables read_parameters(std::vector<std::uint8_t>& bytes, const std::filesystem::path& path) {
   SkyTables tables;
-  Reader reader(bytes, path);
-  parameters([&](auto&... values) { (reader.get(values), ...); }, tables);
-  tables.atmosphere.absorbers.resize(reader.count(kMaxAbsorbers, "absorbers"));
-  for (Constituent& absorber : tables.atmosphere.absorbers) reader.get(absorber);
-  int phase = 0;
-  int layout = 0;
-  int colour = 0;
-  int truncate_orders = 0;
-  for (int* const value : {&phase, &layout, &colour, &truncate_orders}) reader.get(*value);
-  tables.atmosphere.aerosol_phase = static_cast<AerosolPhase>(phase);
-  tables.options.layout = static_cast<ScatteringLayout>(layout);
-  tables.options.colour = static_cast<SkyColour>(colour);
-  tables.options.truncate_orders = truncate_orders != 0;
-  if (!reader.at_end()) damaged(path, "has bytes after its parameters");
+  Archive archive(Archive::Way::read, bytes, path);
+  parameters(archive, tables);
+  if (!archive.at_end()) damaged(path, "has bytes after its parameters");
   try {
     check(tables.atmosphere);
     sky::check_options(tables.options);
@@ -219,7 +190,7 @@ void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
                                                  std::to_string(tables.atmosphere.name.size()) +
                                                  " bytes; a file of sky tables holds " + std::to_string(kMaxText));
   }
-  const std::vector<std::uint8_t> stated = write_parameters(tables);
+  const std::vector<std::uint8_t> stated = write_parameters(tables, output.path());
   std::uint64_t following = sizeof(std::uint32_t) + stated.size();
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t count) {
     if (values.size() != count) {
@@ -228,22 +199,20 @@ void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
     }
     following += values.size() * sizeof(float);
   });
-  Writer header;  // from the checksum's first byte on
-  header.put(following);
-  header.put(static_cast<std::uint32_t>(stated.size()));
-  std::uint32_t sum = crc32(0, header.bytes.data(), header.bytes.size());
-  sum = crc32(sum, stated.data(), stated.size());
+  std::vector<std::uint8_t> header;  // from the checksum's first byte on
+  platform::append_little_endian(header, following);
+  platform::append_little_endian(header, static_cast<std::uint32_t>(stated.size()));
+  header.insert(header.end(), stated.begin(), stated.end());
+  std::uint32_t sum = crc32(0, header.data(), header.size());
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
     sum = crc32(sum, values.data(), values.size() * sizeof(float));
   });
   platform::WholeFile file(output.path(), output.bytes());
-  Writer start;
-  start.put(kVersion);
-  start.put(sum);
-  file.write(kMagic.data(), kMagic.size());
-  file.write(start.bytes.data(), start.bytes.size());
-  file.write(header.bytes.data(), header.bytes.size());
-  file.write(stated.data(), stated.size());
+  std::vector<std::uint8_t> start(kMagic.begin(), kMagic.end());
+  platform::append_little_endian(start, kVersion);
+  platform::append_little_endian(start, sum);
+  file.write(start.data(), start.size());
+  file.write(header.data(), header.size());
   for_each_table(tables, [&](const std::vector<float>& values, std::uint64_t) {
     file.write(values.data(), values.size() * sizeof(float));
   });

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "bake/artefacts.h"
 #include "bake/bake_plan.h"
 #include "files/env.h"
 #include "files/environment.h"
-#include "files/file_source.h"
 #include "files/row_source.h"
 #include "files/textures.h"
 #include "platform/file.h"

@@ -193,8 +193,8 @@ class TextureReader {
       return;
     }
     texels_.resize(place.bytes);
-    file_.seek(layout_.levels[static_cast<std::size_t>(level)].faces[static_cast<std::size_t>(face)] +
-               place.first_byte);
+    const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
+    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + place.first_byte);
     file_.read(texels_.data(), texels_.size());
     decode(texels_.data(), size, first_row, rows, rgb);
   }
@@ -220,7 +220,7 @@ class TextureReader {
       image::decode_uastc_hdr_rows(bytes, size, first_row, rows, rgb);
     } else if (is_astc(kind)) {
       if (!astc_) astc_ = make_astc_decoder(kind, file_.path());
-      astc_->decode_rows(bytes, size, first_row, rows, rgb);
+      astc_(bytes, size, first_row, rows, rgb);
     } else {
       const auto range = kind == TexelKind::bc6h_ufloat ? image::Bc6hRange::positive : image::Bc6hRange::signed_values;
       image::decode_bc6h_rows(bytes, range, size, first_row, rows, rgb);
@@ -230,7 +230,7 @@ class TextureReader {
   platform::ByteFile file_;
   const TextureLayout& layout_;
   stop_token stop_;
-  std::unique_ptr<AstcDecoder> astc_;  ///< once it was needed
+  AstcDecoder astc_;  ///< once it was needed
   std::vector<std::uint8_t> texels_;
   int unpacked_level_ = -1;
 };
@@ -323,39 +323,25 @@ class TextureRowReader final : public RowReader {
   int streamed_rows_;  ///< at once
 };
 
-class TextureSource final : public RowSource {
- public:
-  TextureSource(EnvironmentInfo info, FileInput input, TextureLayout layout, int level)
-      : RowSource(std::move(info), std::move(input)), layout_(std::move(layout)), level_(level) {}
+bool has_prefiltered_levels(const TextureLayout& layout) {
+  if (layout.faces() != 6) return false;
+  if (!layout.has_metadata || layout.container == FileFormat::ktx1)
+    return true;  // DDS cannot say, and what tools for light write as DDS mostly is
+  return std::any_of(layout.metadata.begin(), layout.metadata.end(),
+                     [](const auto& entry) { return speaks_of_roughness(entry.first); });
+}
 
-  [[nodiscard]] int natural_rows() const override {
-    if (is_packed()) return info().height;
-    return std::min(block_edge(layout_.kind), layout_.level_rows(level_));
+/// `height`: rows of the level's image.
+RowTraits texture_traits(const TextureLayout& layout, int level, int height) {
+  RowTraits traits{.natural_rows = std::min(block_edge(layout.kind), layout.level_rows(level)),
+                   .prefiltered_levels = has_prefiltered_levels(layout),
+                   .reader_bytes = texture_reader_bytes(layout, level, kStreamedRows)};
+  if (layout.supercompression != Supercompression::none) {
+    traits.natural_rows = height;
+    traits.smaller_reader = "save it without supercompression: a packed level must be unpacked whole";
   }
-  [[nodiscard]] bool has_prefiltered_levels() const override {
-    if (layout_.faces() != 6) return false;
-    if (!layout_.has_metadata || layout_.container == FileFormat::ktx1)
-      return true;  // DDS cannot say, and what tools for light write as DDS mostly is
-    return std::any_of(layout_.metadata.begin(), layout_.metadata.end(),
-                       [](const auto& entry) { return speaks_of_roughness(entry.first); });
-  }
-  [[nodiscard]] std::uint64_t reader_bytes() const override {
-    return texture_reader_bytes(layout_, level_, kStreamedRows);
-  }
-  [[nodiscard]] const char* smaller_reader() const override {
-    return is_packed() ? "save it without supercompression: a packed level must be unpacked whole"
-                       : RowSource::smaller_reader();
-  }
-  [[nodiscard]] std::unique_ptr<RowReader> open_reader() const override {
-    return std::make_unique<TextureRowReader>(input(), layout_, level_);
-  }
-
- private:
-  [[nodiscard]] bool is_packed() const { return layout_.supercompression != Supercompression::none; }
-
-  TextureLayout layout_;
-  int level_;
-};
+  return traits;
+}
 
 void list_channels(EnvironmentInfo& info, TexelKind kind) {
   constexpr std::array names{"R", "G", "B", "A"};
@@ -415,7 +401,11 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
                          "\" is not applied: rows are read from the top");
   }
-  return std::make_unique<TextureSource>(std::move(info), input_of(file), std::move(layout), options.level);
+  RowTraits traits = texture_traits(layout, options.level, info.height);
+  const auto open = [input = input_of(file), layout, level = options.level] {
+    return std::make_unique<TextureRowReader>(input, layout, level);
+  };
+  return std::make_unique<RowSource>(std::move(info), std::move(traits), open);
 }
 
 }  // namespace welkin::files

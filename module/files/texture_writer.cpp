@@ -208,7 +208,7 @@ WriteReport write_images(const FileOutput& output, const OctahedralMap& map, con
     platform::WholeFile& file = written.add(
         map.levels.size() == 1 ? output : files::beside(path, "_m" + std::to_string(level), path.extension()));
     const files::OutputImage image(map.view(level));
-    values_clamped += files::write_exr(image, {file, type, false, false, {control.stop, {}}});
+    values_clamped += files::write_exr(image, {file, type, files::Envmap::none, {control.stop, {}}});
   }
   return written.commit(values_clamped, control);
 }

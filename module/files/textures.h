@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -163,9 +164,9 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 /// lies. Every place lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
-    std::array<std::uint64_t, 6> faces{};  ///< first bytes, in the file; not of a supercompressed level
-    std::uint64_t first_byte = 0;          ///< of a supercompressed level, all of which unpacks together
-    std::uint64_t packed_bytes = 0;
+    std::uint64_t first_byte = 0;    ///< in the file: of its first face, or of a supercompressed level
+    std::uint64_t face_stride = 0;   ///< bytes from one face to the next
+    std::uint64_t packed_bytes = 0;  ///< of a supercompressed level, all of which unpacks together
   };
 
   FileFormat container = FileFormat::ktx2;  ///< or dds
@@ -279,21 +280,13 @@ struct BlockLevels {
 // Blocks of ASTC with high dynamic range (Khronos Data Format Specification 1.3, "ASTC Compressed Texture Image
 // Formats"), by the library astcenc.
 
-/// Rows of texels out of blocks. Each thread has its own: it keeps astcenc's tables (3 MB, made in some 4 ms).
-class AstcDecoder {
- public:
-  AstcDecoder() = default;
-  AstcDecoder(const AstcDecoder&) = delete;
-  AstcDecoder& operator=(const AstcDecoder&) = delete;
-  virtual ~AstcDecoder() = default;
-
-  /// Packed RGB floats from what is at `row_byte_range` of the kind that it was made for. A block that the
-  /// specification does not define gives NaN. Throws `std::bad_alloc`.
-  virtual void decode_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb) = 0;
-};
+/// Packed RGB floats from what is at `row_byte_range` of the kind that it was made for. A block that the specification
+/// does not define gives NaN. Each thread has its own: it keeps astcenc's tables (3 MB, made in some 4 ms). Throws
+/// `std::bad_alloc`.
+using AstcDecoder = std::function<void(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb)>;
 
 /// `path` is for messages. Throws `Error` (unsupported_file) in a build without astcenc, `std::bad_alloc`.
-[[nodiscard]] std::unique_ptr<AstcDecoder> make_astc_decoder(TexelKind kind, const std::filesystem::path& path);
+[[nodiscard]] AstcDecoder make_astc_decoder(TexelKind kind, const std::filesystem::path& path);
 
 /// Encodes the faces of each level, or the one image of it. What halves cannot hold, and negatives, are clamped and
 /// counted. The same bytes on any number of threads: blocks are encoded by themselves. Throws `Error`:

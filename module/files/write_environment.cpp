@@ -22,6 +22,7 @@
 namespace welkin {
 namespace {
 
+using files::Envmap;
 using files::OutputImage;
 using platform::file_error;
 
@@ -67,31 +68,6 @@ SampleType type_for(const Format& format, SampleType asked_for, const std::files
   return asked_for;
 }
 
-/// The files of an environment, all of one format.
-class EnvironmentFiles {
- public:
-  EnvironmentFiles(const Format& format, SampleType type, const Control& control)
-      : format_(format), type_(type), control_(control) {}
-
-  enum class Header { plain, openexr_lat_long, openexr_cube };
-
-  /// `from` to `to`: the part of the progress.
-  void add(const FileOutput& output, const OutputImage& image, Header header, double from, double to) {
-    const Control part = jobs::part_of(control_, from, to);
-    values_clamped_ += format_.write(
-        image, {files_.add(output), type_, header == Header::openexr_cube, header == Header::openexr_lat_long, part});
-  }
-
-  WriteReport commit() { return files_.commit(values_clamped_, control_); }
-
- private:
-  const Format& format_;
-  SampleType type_;
-  const Control& control_;
-  files::OutputFiles files_;
-  std::uint64_t values_clamped_ = 0;
-};
-
 }  // namespace
 
 void check_write_options(const FileOutput& output, const WriteOptions& options, bool is_cubemap) {
@@ -123,39 +99,38 @@ void check_write_options(const FileOutput& output, const WriteOptions& options, 
 
 namespace {
 
-WriteReport write(const FileOutput& output, const LatLongView& image, const WriteOptions& options,
-                  const Control& control) {
-  const Format& format = format_of(output.path());
-  EnvironmentFiles written(format, type_for(format, options.type, output.path()), control);
-  written.add(output, OutputImage(image), EnvironmentFiles::Header::openexr_lat_long, 0.0, 1.0);
-  return written.commit();
+/// A file of an environment.
+struct Piece {
+  FileOutput output;
+  OutputImage image;
+  Envmap envmap = Envmap::none;
+};
+
+std::vector<Piece> pieces_of(const FileOutput& output, const LatLongView& image, const Format& /*format*/,
+                             Layout /*layout*/) {
+  return {{output, OutputImage(image), Envmap::lat_long}};
 }
 
-WriteReport write(const FileOutput& output, const CubemapView& image, const WriteOptions& options,
-                  const Control& control) {
-  const std::filesystem::path& path = output.path();
-  const Format& format = format_of(path);
-  const Layout layout = options.layout == Layout::automatic ? Layout::vertical_strip : options.layout;
+std::vector<Piece> pieces_of(const FileOutput& output, const CubemapView& image, const Format& format,
+                             Layout asked_for) {
+  const Layout layout = asked_for == Layout::automatic ? Layout::vertical_strip : asked_for;
   if (layout == Layout::horizontal_strip && 6 * image.size > files::kMaximumWidth) {
-    throw file_error(ErrorCode::invalid_argument, path,
+    throw file_error(ErrorCode::invalid_argument, output.path(),
                      "would be " + std::to_string(6 * image.size) + " texels wide, above the " +
                          std::to_string(files::kMaximumWidth) +
                          " that are read; write a vertical strip, a cross or six files");
   }
-  EnvironmentFiles written(format, type_for(format, options.type, path), control);
   if (layout == Layout::six_files) {
-    const std::vector<std::filesystem::path> places = files::files_to_write(path, layout);
-    for (int face = 0; face < 6; ++face) {
-      written.add(places[static_cast<std::size_t>(face)], OutputImage(image, face), EnvironmentFiles::Header::plain,
-                  face / 6.0, (face + 1) / 6.0);
+    std::vector<Piece> faces;
+    for (const std::filesystem::path& path : files::files_to_write(output.path(), layout)) {
+      faces.push_back({path, OutputImage(image, static_cast<int>(faces.size()))});
     }
-  } else if (layout == Layout::vertical_strip && format.write == files::write_exr) {
-    written.add(output, OutputImage(image, files::openexr_cube_placement()), EnvironmentFiles::Header::openexr_cube,
-                0.0, 1.0);
-  } else {
-    written.add(output, OutputImage(image, files::cube_placement(layout)), EnvironmentFiles::Header::plain, 0.0, 1.0);
+    return faces;
   }
-  return written.commit();
+  if (layout == Layout::vertical_strip && format.write == files::write_exr) {
+    return {{output, OutputImage(image, files::openexr_cube_placement()), Envmap::cube}};
+  }
+  return {{output, OutputImage(image, files::cube_placement(layout))}};
 }
 
 }  // namespace
@@ -165,7 +140,19 @@ WriteReport write_environment(const FileOutput& output, const EnvironmentView& i
   const platform::FloatingPointScope floating_point;
   image::check_view(image);
   check_write_options(output, options, image.kind() == EnvironmentKind::cubemap);
-  return image::with_view(image, [&](const auto& view) { return write(output, view, options, control); });
+  const Format& format = format_of(output.path());
+  const SampleType type = type_for(format, options.type, output.path());
+  const std::vector<Piece> pieces =
+      image::with_view(image, [&](const auto& view) { return pieces_of(output, view, format, options.layout); });
+  files::OutputFiles written;
+  std::uint64_t values_clamped = 0;
+  const auto count = static_cast<double>(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const auto before = static_cast<double>(k);
+    const Control part = jobs::part_of(control, before / count, (before + 1.0) / count);
+    values_clamped += format.write(pieces[k].image, {written.add(pieces[k].output), type, pieces[k].envmap, part});
+  }
+  return written.commit(values_clamped, control);
 }
 
 }  // namespace welkin

@@ -37,12 +37,14 @@ class OutputImage {
   std::function<void(int row, float* rgb)> read_row_;
 };
 
+/// What an OpenEXR file's envmap attribute states.
+enum class Envmap { none, lat_long, cube };
+
 /// What the writers share beside the image.
 struct WriteJob {
   platform::WholeFile& file;
   SampleType type;
-  bool openexr_cube = false;      ///< states in the header that this is OpenEXR's cube
-  bool openexr_lat_long = false;  ///< ... that it is a lat-long
+  Envmap envmap;
   const Control& control;
 };
 

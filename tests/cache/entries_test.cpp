@@ -247,9 +247,9 @@ std::vector<EntryName> names_in(const std::filesystem::path& folder) {
   for (const std::filesystem::path& path : files_in(folder)) {
     const std::vector<char> bytes = read_bytes(path);
     const std::vector<std::uint8_t> unsigned_bytes(bytes.begin(), bytes.end());
-    const auto statement = cache::read_entry_header(unsigned_bytes);
-    REQUIRE(statement.has_value());
-    names.push_back(statement->name);
+    const auto header = cache::read_entry_header(unsigned_bytes);
+    REQUIRE(header.has_value());
+    names.push_back(header->name());
   }
   return names;
 }

@@ -190,7 +190,7 @@ TEST_CASE("the levels of a cube are cubes, down to faces of one texel", "[codec]
     const Environment cube = read_environment(path, options);
     CHECK(cube.info.width == 8 >> options.level);
     CHECK(cube.info.layout_reason == "the header's envmap attribute says cube");
-    CHECK(files::open_row_source(path, options)->has_openexr_cube_frames());
+    CHECK(files::open_row_source(path, options)->traits().openexr_cube_frames);
   }
   CHECK(thrown_by([&] { (void)inspect_environment(path, options); }).says("1 x 3 is not a 1:6 vertical strip"));
 }

@@ -369,7 +369,7 @@ TEST_CASE("what a Radiance reader holds does not depend on what the header claim
   content += std::string(262144, '\x01');
   write_bytes(path, {content.begin(), content.end()});
   const auto source = files::open_row_source(path, {});
-  CHECK(source->reader_bytes() < std::uint64_t{1} << 20U);
+  CHECK(source->traits().reader_bytes < std::uint64_t{1} << 20U);
   const ThrownError error = thrown_by([&] {
     std::vector<float> row(std::size_t{3} * 65536);
     source->open_reader()->read(32767, 1, row.data());

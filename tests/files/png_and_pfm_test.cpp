@@ -113,7 +113,7 @@ TEST_CASE("a PNG's rows come in any pieces, and again from the top", "[codec][pn
     write_bytes(path, png_bytes(recipe, some_samples(recipe)));
     const Environment whole = read_environment(path);
     const auto source = files::open_row_source(path, {});
-    CHECK(source->sequential());
+    CHECK(source->traits().sequential);
     for (const int rows : {1, 2, 3, 7, 22, 23}) {
       const auto reader = source->open_reader();
       const auto check_piece = [&](int first, int count) {
@@ -277,7 +277,7 @@ TEST_CASE("an interlaced PNG is refused where decoding it whole takes too much",
   check_thrown([&] { (void)measure_environment(path, options); }, ErrorCode::limit_exceeded,
                {path.string() + ": decoding ", "save it without interlacing: as it is, it must be decoded whole"});
   write_bytes(path, sound_png(640, 320, false));
-  CHECK(files::open_row_source(path, options)->reader_bytes() < options.memory_limit_bytes);
+  CHECK(files::open_row_source(path, options)->traits().reader_bytes < options.memory_limit_bytes);
   (void)files::open_row_source(path, options)->open_reader();
 }
 

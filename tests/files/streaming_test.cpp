@@ -97,15 +97,13 @@ EnvironmentInfo describe(const Kind& kind, Layout layout) {
 class FakeSource final : public files::RowSource {
  public:
   explicit FakeSource(const Kind& kind, Layout layout = Layout::lat_long)
-      : RowSource(describe(kind, layout), {}), kind_(kind) {}
-
-  [[nodiscard]] int natural_rows() const override { return kind_.natural_rows; }
-  [[nodiscard]] int section_rows() const override { return kind_.height / kind_.sections; }
-  [[nodiscard]] bool sequential() const override { return kind_.sequential; }
-  [[nodiscard]] std::uint64_t reader_bytes() const override { return 1000; }
-  [[nodiscard]] std::unique_ptr<files::RowReader> open_reader() const override {
-    return std::make_unique<FakeReader>(kind_, log);
-  }
+      : RowSource(describe(kind, layout),
+                  {.natural_rows = kind.natural_rows,
+                   .sections = kind.sections,
+                   .sequential = kind.sequential,
+                   .reader_bytes = 1000},
+                  [this] { return std::make_unique<FakeReader>(kind_, log); }),
+        kind_(kind) {}
 
   mutable Log log;
 

@@ -284,7 +284,8 @@ void make_sky_seeds(const std::filesystem::path& directory) {
 
 void write_entry(const std::filesystem::path& path, cache::EntryKind kind, const cache::Bytes& payload) {
   const cache::EntryHeader header = cache::entry_header({kind, {1, 2}}, payload);
-  std::vector<char> bytes(header.begin(), header.end());
+  const auto* const first = reinterpret_cast<const char*>(&header);
+  std::vector<char> bytes(first, first + sizeof header);
   bytes.insert(bytes.end(), payload.begin(), payload.end());
   test::write_bytes(path, bytes);
 }
