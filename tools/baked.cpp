@@ -1,7 +1,9 @@
 #include "tools/baked.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <iostream>
 #include <limits>
@@ -37,6 +39,8 @@ class BakeSource {
   /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
   /// taken out, clamped or decoded: then the pixels alone tell.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
+  /// The harmonics of the pixels before those were rotated, rotated exactly; none if they were not.
+  [[nodiscard]] const std::optional<SphericalHarmonics>& rotated_radiance() const noexcept { return radiance_; }
   [[nodiscard]] std::uint64_t bytes() const;
 
   [[nodiscard]] EnvironmentView view() const { return pixels_.view(); }
@@ -51,6 +55,7 @@ class BakeSource {
   LatLongImage image_;
   std::optional<Sun> sun_;
   std::optional<Projection> stored_light_;
+  std::optional<SphericalHarmonics> radiance_;
 };
 
 constexpr double kTurning = 0.7;  // of the progress of what is read: where turning it begins
@@ -116,6 +121,11 @@ void BakeSource::orient(const BakeCommandOptions& options, const Control& contro
     throw Error(ErrorCode::limit_exceeded, description_.path + ": takes " + std::to_string(2 * bytes()) +
                                                " bytes while it is rotated, above the limit of " +
                                                std::to_string(limit) + "; raise " + options.common.memory_option);
+  }
+  const BakeOptions asked = library_options(options);
+  if (asked.bands > 0) {
+    const ProjectionOptions projection{.bands = asked.bands, .pixels = asked.pixels};
+    radiance_ = rotate(project(view(), projection, {control.stop, {}}).radiance, rotation);
   }
   const SourceShape shape = shape_of(view());
   if (is_cubemap) {
@@ -410,6 +420,26 @@ void note_dark_channels(const PrefilteredSpecular& chain, std::vector<std::strin
   }
 }
 
+/// Replaces harmonics of pixels that were moved between texels by those that were rotated exactly.
+void use_rotated_radiance(const BakeSource& source, Baked& baked) {
+  constexpr double kRounding = 1e-5;  // whole texels that only changed places
+  const std::optional<SphericalHarmonics>& whole = source.rotated_radiance();
+  if (!whole || !baked.light.radiance || whole->bands() < baked.light.radiance->bands()) return;
+  SphericalHarmonics exact = resized(*whole, baked.light.radiance->bands());
+  double difference = 0.0;
+  double square = 0.0;
+  for (std::size_t k = 0; k < exact.coefficients().size(); ++k) {
+    const glm::dvec3 off = baked.light.radiance->coefficients()[k] - exact.coefficients()[k];
+    difference += glm::dot(off, off);
+    square += glm::dot(exact.coefficients()[k], exact.coefficients()[k]);
+  }
+  if (!(difference > kRounding * kRounding * square)) return;
+  baked.light.radiance = std::move(exact);
+  baked.notes.push_back("the image was rotated by resampling, by which its harmonics differ by " +
+                        significant(100.0 * std::sqrt(difference / square), 2) +
+                        " %; harmonics are rotated exactly, cubemaps are made from the rotated image");
+}
+
 /// Of a chain without its sharpest mips there is no sharp environment.
 void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked) {
   for (const std::string& note : file.info.notes) {
@@ -494,6 +524,7 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
                              })});
     }
   });
+  use_rotated_radiance(source, baked);
   if (baked.light.specular) note_dark_channels(*baked.light.specular, baked.notes);
   if (baked.stored_light) {
     timed(baked.passes, "stored light", "diffuse light as stored in the input, not clamped as its pixels are",

@@ -526,6 +526,7 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
     if (!check.fits_lookups) each.lobe_roughness = each.roughness;
     const Cubemap truth = truths.at(each.size, each.lobe_roughness, kTruthError, check.lobe, check.unit);
     each.errors = errors_of(images[mip], truth, check.placement);
+    each.rest = std::min(each.rest, each.errors.rms);  // whose truth is more exact than those of the search
     const Cubemap nearest = each.fitted ? truths.at(each.size, *each.fitted, kFitError) : Cubemap();
     const Cubemap& compared = each.fitted ? nearest : truth;
     each.clipped_at = clipped_at(images[mip], truth, check.placement, each.scale);

@@ -325,7 +325,7 @@ struct SkyViewOptions {
 /// Options of sky images.
 struct SkyImageOptions {
   /// Includes the sun's disc, antialiased by covered area. Its total radiance equals the irradiance of
-  /// `SkyView::sun`.
+  /// `SkyView::sun_light`.
   bool sun_disc = false;
 };
 
@@ -376,8 +376,8 @@ class SkyView {
 
 /// Computes an image of the sky: each texel has the radiance at its centre. With `options.sun_disc`, texels also have
 /// the disc's radiance times the fraction of their area that it covers. The disc's radiance times solid angle, summed
-/// over the image, is the irradiance of `SkyView::sun` at any image size. The part of a disc below the horizon is left
-/// out. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1 to 16384.
+/// over the image, is the irradiance of `SkyView::sun_light` at any image size. The part of a disc below the horizon is
+/// left out. Cost: 50 ns and 12 bytes per texel. Throws `Error` (invalid_argument) unless size or height is 1 to 16384.
 [[nodiscard]] Cubemap sky_cubemap(const SkyView& view, const dvec3& sun, int size, const SkyImageOptions& options = {},
                                   const Control& control = {});
 [[nodiscard]] LatLongImage sky_lat_long(const SkyView& view, const dvec3& sun, int height,

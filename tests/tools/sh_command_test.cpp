@@ -364,6 +364,16 @@ TEST_CASE("sh: yaw takes +z to +x, and a quaternion does the same", "[tools][slo
   CHECK(distance(plain, light(" --yaw 360")) == 0.0);
 }
 
+TEST_CASE("bake: harmonics of a rotated image are those that sh rotates, and a note says what resampling moves",
+          "[tools][bake]") {
+  const TemporaryDirectory scratch;
+  const std::string rotated = small_image() + " --bands 4 --rotation 0.1,0.2,0.3,0.9";
+  const nlohmann::json manifest = bake_into(scratch.path() / "out", rotated + " --size 8 --no-previews");
+  const SphericalHarmonics found = radiance_of(json_of(file_text(scratch.path() / "out" / "sh.json")));
+  CHECK(distance(found, radiance_of(run_sh_json(rotated))) < 1e-12);
+  CHECK(contains(manifest.at("notes").dump(), "rotated by resampling"));
+}
+
 TEST_CASE("sh: --for turns to the engine's axes, whose lat-long centre the sun is near", "[tools][slow]") {
   const SphericalHarmonics plain = radiance_of(run_sh_json(small_image()));
   for (const Convention& engine : conventions()) {
