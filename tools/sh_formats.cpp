@@ -423,20 +423,21 @@ std::string float_constant(double value, const char* suffix = "f") {
   return text + suffix;
 }
 
+std::string triple(const glm::dvec3& value, const char* suffix = "f") {
+  return float_constant(value.x, suffix) + ", " + float_constant(value.y, suffix) + ", " +
+         float_constant(value.z, suffix);
+}
+
 /// Nothing in it can end the comment that it stands in.
 std::string in_comment(const std::string& text) { return replaced(text, "*/", "* /"); }
 
 std::string comment(const std::string& text) { return "/* " + replaced(in_comment(text), "\n", "\n * ") + " */\n"; }
 
-std::string row(const glm::dvec4& value, const std::string& name) {
-  return "  {" + float_constant(value.x) + ", " + float_constant(value.y) + ", " + float_constant(value.z) + ", " +
-         float_constant(value.w) + "}, /* " + in_comment(name) + " */\n";
+std::string row(const std::string& numbers, const std::string& name) {
+  return "  {" + numbers + "}, /* " + in_comment(name) + " */\n";
 }
 
-std::string row(const glm::dvec3& rgb, const std::string& name) {
-  return "  {" + float_constant(rgb.x) + ", " + float_constant(rgb.y) + ", " + float_constant(rgb.z) + "}, /* " +
-         in_comment(name) + " */\n";
-}
+std::string row(const glm::dvec3& rgb, const std::string& name) { return row(triple(rgb), name); }
 
 std::string array_start(const std::string& name, std::size_t count, int numbers = 3) {
   return "static const float " + name + '[' + std::to_string(count) + "][" + std::to_string(numbers) + "] = {\n";
@@ -457,7 +458,9 @@ std::string engine_array(const std::string& name, const EngineLight& light) {
   if (light.vectors.empty()) return text;
   text += comment("The same for the shader: each row is x, y, z, w.") +
           array_start(name + "_vectors", light.vectors.size(), 4);
-  for (const EngineVector& vector : light.vectors) text += row(vector.value, vector.name);
+  for (const EngineVector& vector : light.vectors) {
+    text += row(triple(glm::dvec3(vector.value)) + ", " + float_constant(vector.value.w), vector.name);
+  }
   return text + "};\n";
 }
 
@@ -496,11 +499,6 @@ std::string arrays(const std::string& name, const ShReport& report) {
 std::string head(const ShReport& report, const std::string& remark) {
   return comment("Light of " + printable(portable_path(report.source.path)) +
                  ", by welkin " WELKIN_VERSION_STRING ".\nAxes: " + report.axes + remark);
-}
-
-std::string triple(const glm::dvec3& value, const char* suffix) {
-  return float_constant(value.x, suffix) + ", " + float_constant(value.y, suffix) + ", " +
-         float_constant(value.z, suffix);
 }
 
 }  // namespace
@@ -546,14 +544,14 @@ std::string sh_c_sharp(const ShReport& report) try {
                      "    for (int i = 0; i < 9; ++i) {\n"
                      "      for (int channel = 0; channel < 3; ++channel) sh[channel, i] = rgb[i, channel];\n"
                      "    }\n    return sh;\n  }\n\n  static readonly float[,] rgb = {\n";
-  for (const EngineTerm& term : unity->terms) text += "    {" + triple(term.rgb, "f") + "},\n";
+  for (const EngineTerm& term : unity->terms) text += "    {" + triple(term.rgb) + "},\n";
   text += "  };\n";
   if (report.sun) {
     text +=
         "\n  /// The sun, which is not in the probe: towards it, and irradiance on a surface that faces it.\n"
         "  public static readonly Vector3 SunDirection = new Vector3(" +
-        triple(report.sun->direction, "f") + ");\n  public static readonly Vector3 SunIrradiance = new Vector3(" +
-        triple(report.sun->irradiance, "f") + ");\n";
+        triple(report.sun->direction) + ");\n  public static readonly Vector3 SunIrradiance = new Vector3(" +
+        triple(report.sun->irradiance) + ");\n";
   }
   return text + "}\n";
 } catch (const Error& error) {
