@@ -94,8 +94,10 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
 /// Throws `Error` (file_access) if a README.md that this bake would write over is somebody else's.
 void check_readme_is_kept(const BakeCommandOptions& options) {
   for (const OutputFile& file : files_with(Content::readme, options.files)) {
-    require_own(platform::path_of(options.directory) / file.name, kReadmeSign, "bake",
-                "pass another folder to -o, or choose files without one by --formats");
+    for (const char* const sign : kReadmeSigns) {
+      require_own(platform::path_of(options.directory) / file.name, sign, "bake",
+                  "pass another folder to -o, or choose files without one by --formats");
+    }
   }
 }
 

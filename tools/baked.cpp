@@ -41,6 +41,8 @@ class BakeSource {
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
   /// The harmonics of the pixels before those were rotated, rotated exactly; none if they were not.
   [[nodiscard]] const std::optional<SphericalHarmonics>& rotated_radiance() const noexcept { return radiance_; }
+  /// Infinities that were replaced before the sun was extracted.
+  [[nodiscard]] std::uint64_t infinities() const noexcept { return infinities_; }
   [[nodiscard]] std::uint64_t bytes() const;
 
   [[nodiscard]] EnvironmentView view() const { return pixels_.view(); }
@@ -56,6 +58,7 @@ class BakeSource {
   std::optional<Sun> sun_;
   std::optional<Projection> stored_light_;
   std::optional<SphericalHarmonics> radiance_;
+  std::uint64_t infinities_ = 0;
 };
 
 constexpr double kTurning = 0.7;  // of the progress of what is read: where turning it begins
@@ -81,7 +84,7 @@ std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const Bak
 BakeSource::BakeSource(const BakeCommandOptions& options, const Control& control) {
   read(options, part_of(control, 0.0, kTurning));
   if (options.sun.take_out) {
-    replace_infinities(pixels_);
+    if (options.bake.pixels.infinity == NonFinitePolicy::replace) infinities_ = replace_infinities(pixels_);
     sun_ = extract_sun(pixels_, options.sun.options);
   }
   orient(options, part_of(control, kTurning, 1.0));
@@ -524,6 +527,7 @@ void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Bak
                              })});
     }
   });
+  baked.light.diagnostics.infinities_replaced += source.infinities();
   use_rotated_radiance(source, baked);
   if (baked.light.specular) note_dark_channels(*baked.light.specular, baked.notes);
   if (baked.stored_light) {

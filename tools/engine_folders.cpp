@@ -103,7 +103,7 @@ bool takes_any_texture(Engine engine) noexcept { return folder_of(engine)->textu
 
 std::string readme_text(Engine engine, const std::vector<std::string>& written) {
   const Convention& axes = convention(engine);
-  std::string text = std::string("# Light for ") + axes.title + kReadmeSign + '\n';
+  std::string text = kReadmeSigns[0] + std::string(axes.title) + kReadmeSigns[1] + '\n';
   // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; what has
   // none is shown beside any other.
   std::istringstream lines(embedded_text(std::string("engines/") + axes.name + ".md"));

@@ -1,6 +1,7 @@
 // What `--for ENGINE` writes: the files that the engine loads as they are, and the lines of code that load them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <string>
@@ -15,7 +16,7 @@
 namespace welkin::tool {
 
 inline constexpr const char* kReadmeName = "README.md";
-inline constexpr const char* kReadmeSign = ", made by Welkin\n";  ///< the end of its first line
+inline constexpr std::array kReadmeSigns{"# Light for ", ", made by Welkin\n"};  ///< both ends of its first line
 inline constexpr const char* kAtlasName = "env_atlas.png";
 
 /// Whether files are known that the engine loads as they are. (Not of Welkin itself and of OpenEXR, which is none.)

@@ -119,8 +119,14 @@ TEST_CASE("bake: bad input exits with 1, and makes no folder", "[tools][bake]") 
   write_pfm(nan, 8, 4, pixels);
   CHECK(contains(failure(start + "--nan reject " + quoted(nan), 1), "row 2"));
   CHECK(contains(failure(start + "--sky --memory-limit 100kB", 1), "limit"));
+  const auto infinite = scratch.path() / "infinite.pfm";
+  pixels[(2 * 8 + 5) * 3] = std::numeric_limits<float>::infinity();
+  write_pfm(infinite, 8, 4, pixels);
+  CHECK(contains(failure(start + "--extract-sun --infinity reject " + quoted(infinite), 1), "row 2"));
   CHECK_FALSE(std::filesystem::exists(out));
   CHECK(bake_into(out, quoted(nan) + kSmall).at("diagnostics").at("nans_replaced") == 1);
+  const auto diagnostics = bake_into(out, quoted(infinite) + " --extract-sun" + kSmall).at("diagnostics");
+  CHECK(diagnostics.at("infinities_replaced") == 1);
 }
 
 TEST_CASE("bake: a folder that cannot be had exits with 1 and is named", "[tools][bake]") {
