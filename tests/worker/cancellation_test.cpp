@@ -1,4 +1,4 @@
-// Jobs that are given up, alone or with their worker, and the progress of those that are not.
+// Cancelling jobs, alone or with their worker, and the progress of jobs that run to their end.
 #include <tbb/parallel_for.h>
 
 #include "jobs/tiles.h"
@@ -9,7 +9,7 @@
 
 namespace welkin::test {
 
-// Promise: a job can be given up at any time, from anywhere, once; it stops within a tile, and the worker goes on.
+// Promise: a job can be cancelled once, at any time and on any thread; it stops within a tile, and the worker goes on.
 
 namespace {
 
@@ -117,7 +117,7 @@ TEST_CASE("jobs can be given up from requests, continuations and callbacks", "[w
   auto second = worker.post([](const Control&) { return 2; });
   auto third = worker.post([](const Control&) { return 3; });
   std::vector<bool> did_it;
-  // The handles' own jobs wait behind: those who cancel them run first.
+  // The jobs of the handles wait; the jobs that cancel them run first.
   auto from_request = worker.post([handle = JobHandle(first)](const Control&) { return handle.cancel(); },
                                   {.priority = TaskPriority::high});
   auto from_continuation =
@@ -227,11 +227,11 @@ TEST_CASE("progress of a job that fails stays where it was", "[worker]") {
 
 namespace {
 
-/// The threads that there were when it was made, and whether more are there now.
+/// The number of threads at construction; reports whether there are more now.
 class ThreadCount {
  public:
   ThreadCount() {
-    // oneTBB's pool has its threads from now on: they are the process's, and stay.
+    // From here on oneTBB's pool has its threads, which last as long as the process.
     tbb::parallel_for(0, 100, [](int) {});
     { const Worker worker(options_with(1)); }
     if (!eventually([] { return named("welkin").empty(); })) give_up("an empty worker");
@@ -362,7 +362,7 @@ TEST_CASE("a worker can be ended from a request", "[worker]") {
       auto ending = worker->post([worker, gate, destroys](const Control&) mutable {
         gate->pass();
         if (destroys) {
-          worker.reset();  // the last one who has it: the test lets go before the gate opens
+          worker.reset();  // the last reference: the test releases its own before the gate opens
         } else {
           worker->terminate();
         }
@@ -393,7 +393,7 @@ TEST_CASE("requests that go on posting end with their worker", "[worker]") {
   std::atomic<int> unposted{0};
   {
     Worker worker(options_with(2));
-    // Each request posts the next one; the last is told that it is stopped.
+    // Each request posts the next one; the last post ends as stopped.
     std::function<void(const Control&)> next = [&](const Control&) {
       auto job = worker.post(std::function<void(const Control&)>(next));
       if (job.ready()) ++unposted;

@@ -1,4 +1,4 @@
-// What comes after a job: callbacks in `drain()`, continuations in the worker.
+// Follow-ups of a job: callbacks in `drain()`, continuations in the worker.
 #include "support/catch.h"
 #include "support/jobs.h"
 #include "support/process_threads.h"
@@ -10,7 +10,7 @@ namespace welkin::test {
 
 namespace {
 
-/// Posts a job and has its callback note a number.
+/// Posts a job whose callback records a number.
 void note(Worker& worker, std::vector<int>& notes, int number, TaskPriority priority = TaskPriority::normal) {
   worker.post([number](const Control&) { return number; }, {.priority = priority}).on_drain([&notes](Job<int> job) {
     notes.push_back(job.get());
@@ -77,8 +77,7 @@ TEST_CASE("a budget of nothing runs one callback", "[worker]") {
   for (int k = 0; k < 5; ++k) note(worker, notes, k);
   worker.wait_until_idle();
   for (std::size_t k = 1; k <= 5; ++k) {
-    // A call may find the worker's thread in the books, and calls nothing then if that thread is kept off the
-    // processors.
+    // `drain()` calls nothing if the worker's thread holds the mutex and is not scheduled.
     std::size_t called = 0;
     CHECK(eventually([&] { return (called = worker.drain(std::chrono::nanoseconds(0))) > 0; }));
     CHECK(called == 1);
@@ -255,7 +254,7 @@ TEST_CASE("a long chain neither overflows nor reorders", "[worker]") {
   }
   CHECK(take(job) == 5000);
 
-  // Nor one that is given up at its end, or fails at its beginning.
+  // A chain that is cancelled at its end, or fails at its beginning, does not overflow the stack either.
   for (const bool cancels : {true, false}) {
     Hold hold(worker, 2);
     job = worker.post([](const Control&) -> int { throw std::runtime_error("enough"); });
@@ -286,14 +285,14 @@ TEST_CASE("a very long chain ends with its worker", "[worker][slow]") {
 
 namespace {
 
-/// Where and how a coroutine went on.
+/// Where and how a coroutine resumed.
 struct End {
   std::string outcome;
   std::string thread;
   std::thread::id thread_id;
 };
 
-/// Awaits the job, in `drain()` if it is to, and says so to `ended`.
+/// Awaits the job, in `drain()` if `drained`, and reports the outcome to `ended`.
 template <class Result>
 Detached await_job(Job<Result> job, std::shared_ptr<std::promise<End>> ended, bool drained = false) {
   std::string outcome = "result";
@@ -311,7 +310,7 @@ Detached await_job(Job<Result> job, std::shared_ptr<std::promise<End>> ended, bo
   ended->set_value({outcome, this_threads_name(), std::this_thread::get_id()});
 }
 
-/// A promise that coroutines can be given, and its future.
+/// A promise that can be shared with coroutines, and its future.
 struct Ended {
   std::shared_ptr<std::promise<End>> promise = std::make_shared<std::promise<End>>();
   std::future<End> future = promise->get_future();
@@ -419,7 +418,7 @@ TEST_CASE("the destructor goes on with coroutines that nobody drained", "[worker
 
 namespace {
 
-/// Awaits each in `drain()`, or where it is when nobody drains any more.
+/// Awaits each job in `drain()`, or on the current thread once nothing drains any more.
 Detached await_all_drained(std::vector<Job<int>> jobs, std::shared_ptr<std::promise<int>> sum) {
   int total = 0;
   for (Job<int>& job : jobs) {

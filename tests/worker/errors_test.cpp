@@ -1,4 +1,4 @@
-// Whatever goes wrong in a job arrives as its error, a lack of memory as well.
+// Every failure in a job arrives as the job's error, including a lack of memory.
 #include "support/catch.h"
 #include "support/heap.h"
 #include "support/jobs.h"
@@ -14,7 +14,7 @@
 
 namespace welkin::test {
 
-// Promise: whatever goes wrong in a request arrives through its future, and the worker goes on.
+// Promise: every failure in a request arrives through its future, and the worker goes on.
 
 TEST_CASE("the library's own errors arrive, words and all", "[worker]") {
   Worker worker(options_with(2));
@@ -76,25 +76,25 @@ TEST_CASE("a result that cannot be moved out arrives as an error", "[worker]") {
 }
 #endif
 
-// Promise: wherever memory runs out while a job is done, its future says so, and the worker goes on. Where it runs out
-// in `post`, nothing is posted; giving up needs no memory.
+// Promise: if memory runs out while a job is done, its future reports that, and the worker goes on. If it runs out in
+// `post`, nothing is posted. Cancelling needs no memory.
 
 namespace {
 
-/// A result, bad_alloc, or one of the library's errors: some libraries below say of a file that it is damaged when they
-/// have no memory for it.
+/// Returns whether a job ended with a result, bad_alloc, or an error of the library. (Some codecs report a damaged file
+/// when they lack the memory for it.)
 bool is_clean(const std::string& end) {
   return end == "result" || end == "bad_alloc" || end == "corrupt_file" || end == "unsupported_file" ||
          end == "file_access" || end == "limit_exceeded";
 }
 
-/// A sample of allocations: every `step`-th of them from `first` + 1 on, all of them where WELKIN_RANDOM_TRIALS is set.
+/// A sample of allocations: every `step`-th one from `first` + 1 on, or all if WELKIN_RANDOM_TRIALS is set.
 struct Sample {
   int first = 0;
   int step = 3;
 };
 
-/// Lets the n-th allocation of the worker's threads fail, for each n of the sample, until the request does without.
+/// Makes the n-th allocation of the worker's threads fail, for each n of the sample, until the request needs fewer.
 template <class MakeRequest, class Result>
 void fail_everywhere(int threads, const MakeRequest& make_request, const Result& expected, const Sample& sample) {
   Worker worker(options_with(threads));
@@ -132,7 +132,7 @@ void fail_everywhere(const MakeRequest& make_request, const Result& expected, co
 }  // namespace
 
 TEST_CASE("projections of pixels run out of memory cleanly", "[worker]") {
-  // Sizes of which no table is there yet; small ones that stay on one thread, and ones that spread.
+  // Sizes for which no table exists yet: small ones that stay on one thread, and ones that use several.
   for (const int size : {37, 151}) {
     const TestCubemap cubemap = make_cubemap(Content::special_values, size, 3, 1);
     fail_everywhere([&] { return Project{Cubemap{size, cubemap.pixels}}; }, project(cubemap.view()));
@@ -149,11 +149,11 @@ TEST_CASE("files run out of memory cleanly", "[worker][slow]") {
   const TemporaryDirectory directory;
   for (const char* extension : {".exr", ".hdr", ".pfm", ".png"}) {
     INFO(extension);
-    // OpenEXR 3.1 loses the copy of an attribute when there is no memory to list it: a leak, but not ours.
+    // OpenEXR 3.1 leaks the copy of an attribute if there is no memory to list it.
     if (kAddressSanitized && std::string(extension) == ".exr") continue;
     const auto path = directory.file(std::string("sky") + extension);
     write_environment(path, make_lat_long(Content::smooth, 90, 45, 1).view());
-    // They open the file alike: each takes others of those allocations, every tenth (all by --all).
+    // All three open the file in the same way, so each samples other allocations: every tenth (all by --all).
     fail_everywhere([&] { return ProjectFile{path}; }, project_file(path), {0, 10});
     fail_everywhere([&] { return ReadFile{path}; }, read_environment(path), {3, 10});
     fail_everywhere([&] { return MeasureFile{path}; }, measure_environment(path), {6, 10});
@@ -175,7 +175,7 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
       INFO("allocation " << number);
       REQUIRE(number < 1000);
       Project request{Cubemap{8, cubemap.pixels}};
-      detail::give_back_job_memory();  // what is kept from earlier posts would do
+      detail::give_back_job_memory();  // memory kept from earlier posts would suffice
       const WorkerLoad before = worker.load();
       {
         const FailingHeap heap(Heap::this_thread, number, false);
@@ -188,13 +188,13 @@ TEST_CASE("a post that runs out of memory posts nothing and gives nothing up", "
       }
       CHECK((posted || failed));
       CHECK(old.ready() == posted);
-      CHECK(worker.load().jobs == before.jobs);  // one came and one went, or neither
+      CHECK(worker.load().jobs == before.jobs);  // one job replaced another, or neither happened
       if (!posted) {
         CHECK(worker.load().bytes == before.bytes);
         CHECK(worker.load().waiting == before.waiting);
       }
     }
-    // What is left to do then may lack the memory for an error's words, and no more.
+    // The remaining work may lack the memory for an error's message, and for nothing else.
     const std::string end = outcome(old);
     CHECK((end == "replaced" || end == "bad_alloc"));
     hold.let_go();
@@ -274,7 +274,7 @@ TEST_CASE("jobs can be given up without memory", "[worker]") {
         },
         {.priority = TaskPriority::high});
     {
-      const FailingHeap heap(Heap::this_thread, 1, true);  // Catch2's assertions have no memory either
+      const FailingHeap heap(Heap::this_thread, 1, true);  // Catch2's assertions lack memory too
       for (const auto& job : cancelled) given_up += job.cancel() ? 1 : 0;
     }
     CHECK(given_up == 10);

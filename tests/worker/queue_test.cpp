@@ -1,5 +1,5 @@
-// Which job runs when: of the same key the latest, of others by priority, as many as there is room for, and those that
-// other jobs wait for.
+// The order of jobs: the latest job of a key, otherwise by priority; the limits of a worker; jobs that wait for other
+// jobs.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-// Promise: of jobs with the same key the newest wins: it replaces one that waits and stops one that runs.
+// Promise: the newest job of a key wins: it replaces one that waits and stops one that runs.
 
 TEST_CASE("a newer job replaces one of its key that waits", "[worker]") {
   Worker worker(options_with(1));
@@ -48,10 +48,10 @@ TEST_CASE("the newest wins when posts race, and always gets its result", "[worke
     for (int k = 0; k < 300; ++k) jobs[t].push_back(post_value(worker, k, {.key = "sky"}));
   });
   std::uint64_t newest = 0;
-  for (const auto& own : jobs) newest = std::max(newest, own.back().id());
-  for (auto& own : jobs) {
+  for (const auto& posted : jobs) newest = std::max(newest, posted.back().id());
+  for (auto& posted : jobs) {
     for (int k = 0; k < 300; ++k) {
-      auto& job = own[static_cast<std::size_t>(k)];
+      auto& job = posted[static_cast<std::size_t>(k)];
       const std::uint64_t id = job.id();
       int value = k;
       const std::string end = outcome_of([&] { value = take(job); });
@@ -80,15 +80,15 @@ TEST_CASE("what follows a replaced job gets its error", "[worker]") {
   CHECK(newer_probe.get() == 4);
 }
 
-// Which job starts next, and how many a worker holds.
+// The next job to start, and the number of jobs that a worker holds.
 
-// Promise: the waiting job of the highest priority starts next, and of equals the oldest.
+// Promise: the waiting job of the highest priority starts next; among equals, the oldest.
 
 namespace {
 
 using Order = std::vector<std::string>;
 
-/// Posts requests that note their names in the order in which they run, once the worker's one thread is let go.
+/// Posts requests that record their names in the order in which they run, once the worker's only thread is released.
 class Line {
  public:
   Job<void> post(std::string name, TaskPriority priority) {
@@ -140,7 +140,7 @@ TEST_CASE("a waiting job moves to the end of those of its new priority", "[worke
   lowered.set_priority(TaskPriority::low);
   CHECK(raised.priority() == TaskPriority::high);
   CHECK(lowered.priority() == TaskPriority::low);
-  kept.set_priority(TaskPriority::low);  // as it was: it keeps its place
+  kept.set_priority(TaskPriority::low);  // unchanged: it keeps its position
   CHECK(line.run() == Order{"high", "raised", "normal", "low", "kept", "last", "lowered"});
 }
 
@@ -149,7 +149,7 @@ TEST_CASE("a worker's load tells how long the oldest job waits", "[worker]") {
   Worker worker(options_with(1));
   CHECK(worker.load().oldest_wait.count() == 0);
   Hold hold(worker);
-  CHECK(worker.load().oldest_wait.count() == 0);  // that one runs
+  CHECK(worker.load().oldest_wait.count() == 0);  // the only job runs
   const auto before = Clock::now();
   const JobHandle oldest = worker.post([](const Control&) {}, {.priority = TaskPriority::low});
   std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -158,7 +158,7 @@ TEST_CASE("a worker's load tells how long the oldest job waits", "[worker]") {
   const auto waited = worker.load().oldest_wait;
   CHECK(waited >= std::chrono::milliseconds(2));
   CHECK(waited <= Clock::now() - before);
-  oldest.set_priority(TaskPriority::high);  // to the end of its new queue, and no younger
+  oldest.set_priority(TaskPriority::high);  // moves to the end of its new queue and keeps its age
   CHECK(worker.load().oldest_wait >= waited);
   CHECK(oldest.cancel());
   const auto of_newer = worker.load().oldest_wait;
@@ -180,7 +180,7 @@ TEST_CASE("continuations keep the priority of the job that they follow, and come
   CHECK(line.run() == Order{"high", "after high", "high 2", "normal", "low", "after low", "low 2"});
 }
 
-// Promise: a worker holds no more jobs and bytes than it may; beyond that posts are refused.
+// Promise: a worker never exceeds its limits of jobs and bytes; posts beyond them are refused.
 
 namespace {
 
@@ -203,7 +203,7 @@ TEST_CASE("a full worker refuses requests, which never run and never wait to be 
   CHECK(outcome(third) == "queue_full");
   CHECK(worker.load().jobs == 3);
 
-  // A job that goes makes room.
+  // A job that ends lets another be posted.
   CHECK(first.cancel());
   auto fourth = post(worker);
   hold.let_go();
@@ -283,18 +283,18 @@ TEST_CASE("a worker refuses options out of range", "[worker]") {
   }
 }
 
-// Promise: a job may wait for another job of its worker by `get()`, however few threads there are: what is waited for
-// is run by the thread that waits.
+// Promise: a job may wait for another job of its worker by `get()`, however few threads there are: the waiting thread
+// runs the other job.
 
 namespace {
 
-/// A request that waits for one that waits for one ...: `depth` of them.
+/// A chain of `depth` nested requests, each of which waits for the next.
 int nest(Worker& worker, int depth) {
   if (depth == 0) return 1;
   return 1 + worker.post([&worker, depth](const Control&) { return nest(worker, depth - 1); }).get();
 }
 
-/// Of its own thread, several threads, an arena that is lent.
+/// Returns options of workers with one thread, with several, and with a lent arena.
 std::vector<WorkerOptions> kinds_of_workers(tbb::task_arena& arena) {
   return {options_with(1), options_with(2), options_with(4), lent(arena)};
 }
@@ -346,7 +346,7 @@ TEST_CASE("a job may be waited for inside a TBB task of the worker's arena", "[w
 }
 
 TEST_CASE("tasks of one job may wait for another job whose tasks run beside them", "[worker][slow]") {
-  // Who waits for its own tasks must not pick up one that waits for it.
+  // A job that waits for its own tasks must not pick up a job that waits for it.
   Worker worker(options_with(3));
   for (int round = 0; round < (kSanitized ? 20 : 100); ++round) {
     auto waited_for = worker.post([round](const Control&) {
@@ -383,8 +383,8 @@ TEST_CASE("what follows a running job is run by whoever waits for it, if all thr
   });
   gate.wait_for_arrivals(1);
   auto second = std::move(first).then([](int value) { return value + 1; });
-  // One waits for the continuation while the first job runs. Once that is done, its thread starts the other, which goes
-  // before the continuation for its priority and waits until that has been run: by nobody else than the first waiter.
+  // `waiting` waits for the continuation while the first job runs. The first job's thread then starts `blocking`, whose
+  // priority is higher than the continuation's. It waits until the continuation has run, which only `waiting` can run.
   std::atomic<bool> taken{false};
   auto waiting = worker.post([&](const Control&) {
     const int value = second.get();

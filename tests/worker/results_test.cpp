@@ -1,4 +1,4 @@
-// Results of a worker: the direct call's bits, moved and not copied or written to the caller's memory.
+// Results of a worker: bitwise those of the direct call, moved (never copied) or written to the caller's memory.
 #include <tbb/task_arena.h>
 
 #include "bake/baked.h"
@@ -12,8 +12,8 @@
 
 namespace welkin::test {
 
-// Promise: whatever a worker is asked, on however many threads and beside however many jobs, the result has the bits
-// of the direct call. (What each request gives is on record: [same_as_before].)
+// Promise: for any request, number of threads and number of concurrent jobs, the result equals that of the direct call
+// bit for bit. (The results of each request are on record: [same_as_before].)
 
 TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena", "[worker][bake][slow]") {
   constexpr int kSize = kSanitized ? 90 : 257;
@@ -50,13 +50,13 @@ TEST_CASE("a worker's results are the direct calls' bits, also in a lent arena",
   }
 }
 
-// Promise: results go from the request to whoever takes them without a copy, on every way there is.
+// Promise: results reach the caller without a copy, in every way of taking them.
 
 namespace {
 
 std::atomic<int> copies{0};
 
-/// Counts its copies. Has no default and cannot be assigned, as results need not.
+/// Counts its copies. Results need no default constructor and no assignment, so it has neither.
 class Copied {
  public:
   explicit Copied(int value) : value_(value) {}
@@ -137,15 +137,15 @@ TEST_CASE("a request may be a member of what it is posted with, or a function", 
 
 namespace {
 
-/// One chain in memory, with bytes between its rows that nobody may write to.
+/// One chain in memory, with bytes between its rows that must not be written.
 struct Block : TargetMemory {
   Block(TexelFormat format, int size, int levels)
       : TargetMemory({format, size, levels, UploadOrder::face_by_face, 96, 128}) {}
 };
 
 /// Memory for all cubemaps of a small bake.
-struct Room {
-  explicit Room(int size = 8) : specular(TexelFormat::rgba16f, size, 3) {}
+struct BakeMemory {
+  explicit BakeMemory(int size = 8) : specular(TexelFormat::rgba16f, size, 3) {}
 
   [[nodiscard]] BakeTargets targets() const { return {background.targets, specular.targets, irradiance.targets[0]}; }
   [[nodiscard]] bool untouched() const {
@@ -154,14 +154,14 @@ struct Room {
   [[nodiscard]] std::array<std::vector<std::byte>, 3> bytes() const {
     return {background.memory, specular.memory, irradiance.memory};
   }
-  friend bool operator==(const Room& a, const Room& b) { return a.bytes() == b.bytes(); }
+  friend bool operator==(const BakeMemory& a, const BakeMemory& b) { return a.bytes() == b.bytes(); }
 
   Block background{TexelFormat::b10g11r11, 16, 5};
   Block specular;
   Block irradiance{TexelFormat::rgba16f, 5, 1};
 };
 
-/// Whether no byte between the texels was written.
+/// Returns whether no byte between the texels was written.
 bool gaps_untouched(const Block& block) {
   std::vector<std::byte> bytes = block.memory;
   for (const CubemapTarget& target : block.targets) {
@@ -184,59 +184,59 @@ EnvironmentSource source_of(const TestCubemapHalf& cube) { return {cube.view(), 
 
 TEST_CASE("BakeTo: a job that never starts or is refused writes nothing", "[worker][bake]") {
   const TestCubemapHalf cube = halves(24);
-  const Room room;
+  const BakeMemory memory;
   Worker worker(options_with(1));
   Hold hold(worker);
-  auto job = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
+  auto job = worker.post(BakeTo{source_of(cube), memory.targets(), quick_bake()});
   CHECK(job.cancel());
   CHECK(job.ready());
   hold.let_go();
-  CHECK(outcome(worker.post(BakeTo{source_of(cube), room.targets(), quick_bake(9)})) == "invalid_argument");
+  CHECK(outcome(worker.post(BakeTo{source_of(cube), memory.targets(), quick_bake(9)})) == "invalid_argument");
   worker.wait_until_idle();
-  CHECK(room.untouched());
+  CHECK(memory.untouched());
 }
 
 TEST_CASE("BakeTo: a cancelled run writes texels only, none once it is ready, and the memory serves again",
           "[worker][bake]") {
   const TestCubemapHalf cube = halves(48);
-  const Room expected;
+  const BakeMemory expected;
   const BakeResult baked = bake_to(expected.targets(), cube.view(), quick_bake());
-  const Room room;
-  for (const double share : {0.05, 0.4, 0.7, 0.95}) {  // of the work that is done before the bake is asked to stop
+  const BakeMemory memory;
+  for (const double share : {0.05, 0.4, 0.7, 0.95}) {  // of the work, done before the stop request
     stop_source stop;
-    const BakeTo request{source_of(cube), room.targets(), quick_bake()};
+    const BakeTo request{source_of(cube), memory.targets(), quick_bake()};
     const Control control{stop.get_token(), [&](double done) {
                             if (done >= share) stop.request_stop();
                           }};
     CHECK(outcome_of([&] { static_cast<void>(request(control)); }) == "cancelled");
-    CHECK(gaps_untouched(room.specular));
+    CHECK(gaps_untouched(memory.specular));
   }
   Worker worker(options_with(2));
   for (int round = 0; round < 3; ++round) {
-    auto job = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
+    auto job = worker.post(BakeTo{source_of(cube), memory.targets(), quick_bake()});
     REQUIRE(eventually([&] { return job.progress() > 0.0 || job.ready(); }));
     job.cancel();
     const std::string end = outcome(job);
     CHECK((end == "cancelled" || end == "result"));
-    const auto left = room.bytes();
+    const auto left = memory.bytes();
     worker.wait_until_idle();
-    CHECK(room.bytes() == left);
+    CHECK(memory.bytes() == left);
   }
-  auto last = worker.post(BakeTo{source_of(cube), room.targets(), quick_bake()});
+  auto last = worker.post(BakeTo{source_of(cube), memory.targets(), quick_bake()});
   const auto found = take(last);
   REQUIRE(found);
   CHECK(same_bits(*found, baked));
-  CHECK(room == expected);
+  CHECK(memory == expected);
   CHECK(last.progress() == 1.0);
 }
 
 TEST_CASE("BakeTo: the owner keeps the targets' memory until the job is ready", "[worker][bake]") {
   const TestCubemapHalf cube = halves(24);
   Worker worker(options_with(1));
-  auto room = std::make_shared<Room>();
-  const std::weak_ptr<Room> watched = room;
+  auto memory = std::make_shared<BakeMemory>();
+  const std::weak_ptr<BakeMemory> watched = memory;
   Hold hold(worker);
-  auto job = worker.post(BakeTo{source_of(cube), room->targets(), quick_bake(), std::move(room)});
+  auto job = worker.post(BakeTo{source_of(cube), memory->targets(), quick_bake(), std::move(memory)});
   CHECK_FALSE(watched.expired());
   hold.let_go();
   CHECK(take(job));

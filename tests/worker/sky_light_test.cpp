@@ -1,4 +1,4 @@
-// Promise: a dynamic sky does what a change asks for and no more, never holds up a frame, and lets nothing pop.
+// Promise: a dynamic sky recomputes only what a change requires, never stalls a frame, and changes without pops.
 #include "welkin/sky_light.h"
 
 #include "support/catch.h"
@@ -23,7 +23,7 @@ SkyLightOptions quick() {
   return options;
 }
 
-/// Frames of a sixtieth until nothing is under way; false after half a minute.
+/// Updates by frames of `seconds` until no work is pending; returns false after a time limit.
 bool settle(SkyLight& sky, double seconds = 1.0 / 60.0) {
   return eventually([&] { return sky.update(seconds).settled; });
 }
@@ -94,7 +94,7 @@ TEST_CASE("a sun that only turns makes no work", "[dynamic_sky]") {
   const double half = std::sqrt(0.5);
   CHECK(relative_difference(frame.radiance.coefficients(),
                             rotate(ahead, glm::dquat(half, 0.0, half, 0.0)).coefficients()) < 1e-12);
-  // What came from +z comes from +x now.
+  // Light that came from +z now comes from +x.
   CHECK(glm::distance(frame.reflections[0].rotation * glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0)) < 1e-12);
   CHECK(glm::distance(frame.reflections[0].rotation * glm::dvec3(0, 1, 0), glm::dvec3(0, 1, 0)) < 1e-15);
 }
@@ -121,7 +121,7 @@ TEST_CASE("intensity is a factor, and what is below the threshold is nothing", "
   CHECK(sky.counters().moves_ignored == counters.moves_ignored + 1);
   CHECK(sky.counters().intensities == 1);
   CHECK(sky.counters().lights == lights);
-  // Small steps add up.
+  // Small steps accumulate.
   for (int step = 1; step <= 10; ++step) sky.set_sun(50.0 + 0.004 * step, 10.0);
   CHECK(sky.counters().elevations > counters.elevations);
 }
@@ -212,7 +212,7 @@ TEST_CASE("an atmosphere that changes every frame still gets new light", "[dynam
     }
     return changes >= 4 && sky.counters().speculars_baked >= 3;
   }));
-  // Tables are made for what was wished when they were begun, and what was begun is given up but once before them.
+  // Tables use the settings at their start; started work is cancelled at most once before each of them.
   const SkyLightCounters counters = sky.counters();
   CHECK(counters.cancelled <= counters.tables_baked + 1);
   CHECK(counters.curves_baked + 1 >= counters.tables_baked);
@@ -300,7 +300,7 @@ TEST_CASE("a dynamic sky may go while its jobs run, and so may the worker's work
   REQUIRE(eventually([&] { return sky.error() != nullptr || sky.update(0.01).ready; }));
   sky.set_altitude(100.0);
   CHECK(thrown_by([&] { std::rethrow_exception(sky.error()); }).code == ErrorCode::stopped);
-  sky.update(0.01);  // goes on with what it has
+  sky.update(0.01);  // goes on with the light that it has
   CHECK_FALSE(sky.light().settled);
 }
 
@@ -364,7 +364,7 @@ TEST_CASE("what a full worker lets go of is asked for again", "[dynamic_sky]") {
     hold.let_go();
   }
   worker.wait_until_idle();
-  // Steps follow each other while the one before still counts: each is asked for again as often as it takes.
+  // Steps follow each other while the previous post still counts: each is repeated until it is accepted.
   CHECK(eventually([&] {
     sky->set_intensity(1.0);
     return sky->update(0.1).settled;

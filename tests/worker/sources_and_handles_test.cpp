@@ -1,4 +1,4 @@
-// What is posted and what is held: sources, the pixels behind them, handles of jobs.
+// Sources that are posted, the pixels behind them, and handles of jobs.
 #include "support/catch.h"
 #include "support/jobs.h"
 #include "support/test_environments.h"
@@ -10,7 +10,7 @@
 
 namespace welkin::test {
 
-// Promise: a source takes pixels over or shares them, never copies them; it knows their size and who they are.
+// Promise: a source takes over or shares pixels and never copies them; it has their size and identity.
 
 namespace {
 
@@ -71,13 +71,13 @@ TEST_CASE("a source counts the bytes of its pixels, padding included", "[worker]
   CHECK(EnvironmentSource(bytes.view(), nullptr).bytes() == 8 * 4 * 4);
 }
 
-// Promise: posted pixels are not copied, and their memory comes back however a job ends.
+// Promise: posted pixels are not copied, and their memory is released however a job ends.
 
 namespace {
 
 Cubemap some_image() { return {8, make_cubemap(Content::random, 8, 3, 1).pixels}; }
 
-/// Shared pixels, and a way to see whether they are still held by anyone.
+/// Shared pixels, and a way to see whether they are still held.
 struct Watched {
   std::shared_ptr<const Cubemap> image = std::make_shared<const Cubemap>(some_image());
   std::weak_ptr<const Cubemap> weak = image;
@@ -137,7 +137,7 @@ TEST_CASE("pixels are freed when their worker ends", "[worker]") {
   CHECK(handle.ready());
 }
 
-// Promise: ids rise, `ready` means that the future will not wait, and a handle can be asked after its worker is gone.
+// Promise: ids rise, `ready` means that the future will not wait, and a handle remains usable after its worker is gone.
 
 TEST_CASE("ids rise from 1 on, through all workers", "[worker]") {
   CHECK(JobHandle().id() == 0);
@@ -186,7 +186,7 @@ TEST_CASE("handles and futures outlive their worker", "[worker]") {
   CHECK_FALSE(called);
 }
 
-// Promise: a result is taken once, by whoever polls or waits; and a job that is none answers whatever it is asked.
+// Promise: a result is taken once, by `poll` or by waiting; an empty job answers every call.
 
 TEST_CASE("polling gives nothing while a job runs, its result once, and nothing after", "[worker]") {
   Worker worker(options_with(1));
@@ -238,7 +238,7 @@ TEST_CASE("polling a job that failed gives nothing, and its error says why", "[w
   REQUIRE(waiting.error());
   CHECK(waiting.error()->code == ErrorCode::cancelled);
   CHECK(waiting.error()->message == "job " + std::to_string(waiting.id()) + " (probe 7): cancelled by the caller");
-  CHECK(waiting.valid());  // it can still be asked for its error by `get`
+  CHECK(waiting.valid());  // `get` can still throw its error
   CHECK(outcome_of([&] { waiting.get(); }) == "cancelled");
   CHECK_FALSE(waiting.valid());
 }
@@ -274,7 +274,7 @@ TEST_CASE("a job that is none answers", "[worker]") {
   CHECK(outcome_of([&] { no_result.get(); }) == "invalid_argument");
 }
 
-// Promise: a std::future of a job is to be had, with its result, its error, and a handle that still works.
+// Promise: a job converts to a std::future with its result or error, and its handle still works.
 
 TEST_CASE("a future of a job has its result or its error", "[worker]") {
   Worker worker(options_with(1));

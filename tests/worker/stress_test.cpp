@@ -1,7 +1,7 @@
-// Promise: whatever several threads do to several workers at once, every job ends with the right result or with an
-// error that was asked for, every callback and coroutine is called or freed, and nothing hangs.
+// Promise: whatever several threads do to several workers at once, every job ends with the right result or an expected
+// error, every callback and coroutine is called or freed, and nothing hangs.
 //
-// WELKIN_STRESS_SEED=n repeats what a run chose; how its threads took turns cannot be repeated.
+// WELKIN_STRESS_SEED=n repeats the random choices of a run; the interleaving of its threads cannot be repeated.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -24,7 +24,7 @@ using Number = std::uint64_t;
 
 Number digest(const Projection& light) { return bits_of(light.radiance); }
 
-/// Counts what a worker may keep: requests, follow-ups, callbacks.
+/// Counts the objects that a worker may keep: requests, follow-ups, callbacks.
 struct Kept {
   inline static std::atomic<int> alive{0};
   Kept() { ++alive; }
@@ -61,7 +61,7 @@ struct ProjectDigest {
   [[nodiscard]] std::uint64_t bytes() const { return request.bytes(); }
 };
 
-/// What a job may end with beside its result, and whether it was given up meanwhile.
+/// The outcomes that a job may have, and whether it was cancelled meanwhile.
 struct Expected {
   Number value = 0;
   std::string thrown{};  ///< instead of a value
@@ -153,7 +153,7 @@ class Stress {
     check(std::move(future), expected);
   }
 
-  /// One of the threads that do things to the workers, at random.
+  /// One of the threads that use the workers at random.
   class Thread {
    public:
     Thread(Stress& stress, unsigned seed) : stress_(stress), random_(seed) {}
@@ -239,19 +239,19 @@ class Stress {
               options);
         }
         case 7: {
-          // Waits for another job of the same worker, which it may be the last to hold.
+          // Waits for another job of the same worker, to which it may hold the last reference.
           expected.value = value * value + 1;
           return worker->post(
               [value, weak = std::weak_ptr<Worker>(worker), kept = Kept()](const Control&) {
-                const auto own = weak.lock();
-                if (!own) throw Error(ErrorCode::stopped, "the worker is gone");
-                auto inner = own->post(Square{value, 20});
+                const auto held = weak.lock();
+                if (!held) throw Error(ErrorCode::stopped, "the worker is gone");
+                auto inner = held->post(Square{value, 20});
                 return inner.get() + 1;
               },
               options);
         }
         default: {
-          // Runs until it is told to stop, which is at once.
+          // Runs until it is stopped, which is at once.
           auto job = worker->post(
               [kept = Kept()](const Control& control) -> Number {
                 while (!control.stop.stop_requested()) std::this_thread::yield();
@@ -274,7 +274,7 @@ class Stress {
       return job;
     }
 
-    /// Takes the result in one of the ways that there are, now or later or never.
+    /// Takes the result in one of the possible ways, now, later or never.
     void dispose(Job<Number> job, Expected expected) {
       handles_.push_back({job, expected.cancelled});
       if (handles_.size() > 40) handles_.erase(handles_.begin());
@@ -292,7 +292,7 @@ class Stress {
         case 6:
           if (one_in(4)) stress_.check(future_of(std::move(job)), expected);
           break;
-        default: break;  // runs unheard
+        default: break;  // the result is dropped
       }
       while (held_.size() > 60) check_one(below(static_cast<unsigned>(held_.size())));
     }

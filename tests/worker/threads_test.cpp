@@ -1,4 +1,4 @@
-// A worker's threads: its own, or those of an arena that it is lent.
+// A worker's threads: its own, or those of a lent arena.
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -15,8 +15,8 @@
 
 namespace welkin::test {
 
-// Promise: a worker's threads are as many as asked for, with the name and the priority that they should have, and
-// nobody else's: the engine's threads stay out of its work, and its threads out of theirs.
+// Promise: a worker has the requested number of threads with the requested name and priority, and shares none of them:
+// the engine's threads stay out of its work, and its threads out of theirs.
 
 namespace {
 
@@ -36,12 +36,12 @@ std::set<int> threads_named(const std::string& name) {
   return threads;
 }
 
-/// Threads give themselves their names once they run.
+/// Waits, because threads set their names once they run.
 bool has_threads(const std::string& name, std::size_t count) {
   return eventually([&] { return threads_named(name).size() == count; });
 }
 
-/// One number for each thread on which a request runs, all of them at work at once.
+/// Returns one number per thread on which a request runs, all of them at work at once.
 std::set<int> threads_at_work(Worker& worker, int count) {
   Gate gate;
   std::vector<Job<int>> jobs;
@@ -67,11 +67,11 @@ Detached await_seven(Worker& worker, std::atomic<int>& sum) {
   sum += co_await std::move(job).drained();
 }
 
-/// Jobs of all kinds, of which nothing is kept. Posted from this thread, drained on it.
+/// Posts jobs of all kinds from this thread, drains them on it, and keeps nothing.
 void post_everything(Worker& worker, std::atomic<int>& sum) {
   const std::string key = "a key that is too long to be kept inside a string";
   worker.post([&](const Control&) { ++sum; });
-  worker.post([&](const Control&) { ++sum; }, {.key = key});  // replaces the one of the last round, if that waits
+  worker.post([&](const Control&) { ++sum; }, {.key = key});  // replaces the last round's if that still waits
   for (int round = 0; round < 2; ++round) worker.post(Seven{}).on_drain([&](Job<int> job) { sum += job.get(); });
   static_cast<void>(worker.post(Seven{}).then([&](int value) { sum += value; }));
   worker.post(Seven{}).cancel();
@@ -81,12 +81,12 @@ void post_everything(Worker& worker, std::atomic<int>& sum) {
 
 }  // namespace
 
-// Promise: an engine's allocations do not meet a thread of the worker inside the system's allocator, which may have
-// been put aside there: what a post allocates, no thread of the worker frees.
+// Promise: no thread of the worker frees what a post allocates, so that an engine's allocations never contend in the
+// system's allocator with a thread of the worker, which may have been descheduled there.
 TEST_CASE("no thread of a worker frees what a posting thread has allocated", "[jobs][worker]") {
   tbb::task_arena arena(2);
-  WorkerOptions own{.threads = 2};
-  for (const WorkerOptions& options : {own, lent(arena)}) {
+  WorkerOptions two_threads{.threads = 2};
+  for (const WorkerOptions& options : {two_threads, lent(arena)}) {
     INFO((options.executor ? "an executor" : "threads of its own"));
     std::atomic<int> sum{0};
     Worker worker(options);
@@ -133,7 +133,7 @@ TEST_CASE("threads have the worker's name and a number", "[worker]") {
   const Worker worker(options_with(2, {.name = "sky light"}));
   CHECK(has_threads("sky light", 2));
 
-  // Linux keeps 15 characters: the number must be among them, or the threads could not be told apart.
+  // Linux keeps 15 characters: the number must be among them, or threads could not be distinguished.
   const Worker long_named(options_with(2, {.name = "a name longer than fifteen characters"}));
   CHECK(has_threads("a name longer", 2));
   std::set<std::string> names;
@@ -166,7 +166,7 @@ TEST_CASE("the engine's threads and the worker's stay out of each other's work",
   run_with_threads(3, [] {
     Worker worker(options_with(2, {.name = "apart"}));
     CHECK(has_threads("apart", 2));
-    const std::set<int> own = threads_named("apart");
+    const std::set<int> of_worker = threads_named("apart");
     std::mutex mutex;
     std::set<int> in_worker;
     std::set<int> in_engine;
@@ -183,8 +183,8 @@ TEST_CASE("the engine's threads and the worker's stay out of each other's work",
     for (int k = 0; k < 10; ++k) jobs.push_back(worker.post([&](const Control&) { work_into(in_worker); }));
     while (!jobs.back().ready()) work_into(in_engine);
     for (auto& job : jobs) CHECK(outcome(job) == "result");
-    CHECK(std::includes(own.begin(), own.end(), in_worker.begin(), in_worker.end()));
-    for (const int thread : in_engine) CHECK(own.count(thread) == 0);
+    CHECK(std::includes(of_worker.begin(), of_worker.end(), in_worker.begin(), in_worker.end()));
+    for (const int thread : in_engine) CHECK(of_worker.count(thread) == 0);
   });
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("a worker's threads help with each other's tiles", "[worker]") {
   std::atomic<int> inside{0};
   std::atomic<int> most{0};
   auto job = worker.post([&](const Control&) {
-    // Ends when two tasks were inside at once: with a sole helper it would go on for ever.
+    // Ends once two tasks were inside at the same time; with a single helper it would never end.
     tbb::parallel_for(0, 1000, [&](int) {
       const int now = ++inside;
       int before = most;
@@ -208,11 +208,11 @@ TEST_CASE("a worker's threads help with each other's tiles", "[worker]") {
   CHECK(most >= 2);
 }
 
-// Promise: a worker can do its work on an engine's threads, whatever these do with the tasks that they are given.
+// Promise: a worker can work on an engine's threads, however these schedule its tasks.
 
 namespace {
 
-/// An engine that runs tasks when the test says so.
+/// An engine that runs tasks when the test calls `run_all`.
 class LateExecutor final : public Executor {
  public:
   explicit LateExecutor(int concurrency = 3) : concurrency_(concurrency) {}
@@ -224,7 +224,7 @@ class LateExecutor final : public Executor {
     most_ = std::max(most_, tasks_.size());
   }
 
-  /// Runs what is there and what comes while it does.
+  /// Runs all queued tasks, including those that are added meanwhile.
   void run_all() {
     for (;;) {
       std::pair<void (*)(void*), void*> task;
@@ -238,7 +238,7 @@ class LateExecutor final : public Executor {
     }
   }
 
-  /// How many tasks were there at once.
+  /// Returns the largest number of tasks that were queued at once.
   [[nodiscard]] std::size_t most() {
     const std::scoped_lock lock(mutex_);
     return most_;
@@ -251,7 +251,7 @@ class LateExecutor final : public Executor {
   std::size_t most_ = 0;
 };
 
-/// An executor that is a function of the test's.
+/// An executor that calls a function of the test.
 class FunctionExecutor final : public Executor {
  public:
   using Function = std::function<void(void (*run)(void*), void* job)>;
@@ -271,7 +271,7 @@ TEST_CASE("a lent arena does the work", "[worker][slow]") {
     tbb::task_arena arena(slots);
     const std::set<int> before = process_threads();
     WorkerOptions options = lent(arena);
-    options.name = "of the worker";  // oneTBB's threads are called as the program is
+    options.name = "of the worker";  // oneTBB's threads have the program's name
     Worker worker(options);
     CHECK(worker.threads() == slots);
     auto width = worker.post([](const Control&) { return tbb::this_task_arena::max_concurrency(); });
@@ -372,7 +372,7 @@ TEST_CASE("an engine that refuses tasks leaves no job without a result or an err
       for (int k = 0; k < 5; ++k) {
         jobs.push_back(worker.post([k](const Control&) { return k; }).then([](int value) { return value; }));
       }
-      // A coroutine has no error to get, and must go on all the same.
+      // A coroutine receives no error here and must resume all the same.
       auto resumed = std::make_shared<std::atomic<bool>>(false);
       const auto await = [](Job<int> job, std::shared_ptr<std::atomic<bool>> done) -> Detached {
         try {
