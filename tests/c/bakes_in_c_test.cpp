@@ -20,7 +20,7 @@ const std::vector<double> kLobes{0.0, 0.31, 0.9};
 const std::vector<double> kWide{0.5, 0.8};
 const std::vector<double> kSpectra{1.0, 0.5, 0.25, 2.0, 0.5, 0.0};
 
-/// The defaults, and what callers give by pointers. (fields_in_c_test.cpp has what each option is in C++.)
+/// The defaults, and options that callers pass by pointer. (fields_in_c_test.cpp maps each option to C++.)
 std::array<welkin_prefilter_options, 2> wanted_reflections(const welkin_pixel_policy* policy) {
   std::array<welkin_prefilter_options, 2> both;
   both.fill(c_struct<welkin_prefilter_options>());
@@ -79,7 +79,7 @@ TEST_CASE("C: prefiltered chains have the C++ calls' bits", "[c_interface][slow]
   const welkin_environment cube_view = c_view(cube.view());
   const welkin_environment lat_long_view = c_view(image.view());
   const auto policy = clamping_policy();
-  bool posts = false;  // one kind of source each time, the other the next time
+  bool posts = false;  // alternates between direct calls and jobs
   for (const welkin_prefilter_options& asked : wanted_reflections(&policy)) {
     const PrefilterOptions options = c_interface::prefilter_options(&asked, 256, true);
     const auto check = [&](const welkin_environment& view, const PrefilteredSpecular& expected) {
@@ -132,7 +132,7 @@ TEST_CASE("C: lobes that are not known and spectra that no lobe reads are refuse
 
 namespace {
 
-/// What the C options point to.
+/// The structures that the C options point to.
 struct BakeParts {
   welkin_prefilter_options specular = c_struct<welkin_prefilter_options>();
   welkin_brdf_options brdf = c_struct<welkin_brdf_options>();
@@ -243,7 +243,7 @@ TEST_CASE("C: bakes have the C++ calls' bits, part by part", "[c_interface][slow
   const welkin_environment cube_view = c_view(cube.view());
   const welkin_environment lat_long_view = c_view(image.view());
   BakeParts parts;
-  bool posts = false;  // one kind of source each time, the other the next time
+  bool posts = false;  // alternates between direct calls and jobs
   for (const welkin_bake_options& asked : wanted_bakes(parts)) {
     const BakeOptions options = c_interface::bake_options(&asked);
     const auto check = [&](const welkin_environment& view, const BakeResult& expected) {
@@ -389,9 +389,9 @@ TEST_CASE("C: many probes are baked as by the C++ call", "[c_interface][many]") 
   CHECK(wanted == found);
   CHECK(totals.texels == baked.diagnostics.texels);
   CHECK(clamped == baked.values_clamped);
-  const auto refused = [&](std::int64_t count, std::int32_t bands, double* room) {
-    return welkin_bake_many(probes.data(), 2, &c_options, nullptr, c_targets.data(), count, bands, room, nullptr,
-                            nullptr) == WELKIN_INVALID_ARGUMENT;
+  const auto refused = [&](std::int64_t count, std::int32_t bands, double* coefficients_out) {
+    return welkin_bake_many(probes.data(), 2, &c_options, nullptr, c_targets.data(), count, bands, coefficients_out,
+                            nullptr, nullptr) == WELKIN_INVALID_ARGUMENT;
   };
   CHECK(refused(3, 2, coefficients.data()));
   CHECK(refused(-1, 2, coefficients.data()));

@@ -1,4 +1,4 @@
-// What tests of the C interface call it with.
+// Helpers of the tests of the C interface: images, structures, handles and comparisons.
 #pragma once
 
 #include "support/catch.h"
@@ -33,7 +33,7 @@ inline welkin_environment c_view(const LatLongView& view) {
   return lat_long;
 }
 
-/// All zero but the size.
+/// Returns a structure that is zero except for its size.
 template <class Struct>
 Struct c_struct() {
   Struct made;
@@ -41,7 +41,7 @@ Struct c_struct() {
   return made;
 }
 
-/// The same memory as C callers describe it.
+/// Returns the C description of the target's memory.
 inline welkin_target c_target(const CubemapTarget& target, welkin_format format) {
   auto made = c_struct<welkin_target>();
   made.format = format;
@@ -51,7 +51,7 @@ inline welkin_target c_target(const CubemapTarget& target, welkin_format format)
   return made;
 }
 
-/// Six faces of packed texels in one block of floats.
+/// Returns a target of six packed faces in one block of floats.
 inline welkin_target c_target(std::vector<float>& texels, int size, welkin_format format = WELKIN_FORMAT_RGB_F32) {
   auto made = c_struct<welkin_target>();
   made.format = format;
@@ -91,7 +91,7 @@ class CWorker {
   welkin_worker* worker_ = nullptr;
 };
 
-// What comes through the C interface is, bit for bit, what the C++ calls give.
+// Results of the C interface equal those of the C++ calls bit for bit.
 
 inline bool same_triple(const double* values, const glm::dvec3& expected) {
   return same_bits(values[0], expected.x) && same_bits(values[1], expected.y) && same_bits(values[2], expected.z);
@@ -130,7 +130,7 @@ inline bool same_doubles(const double* values, const SphericalHarmonics& expecte
   return same_bytes(std::span<const double>(values, wanted.size()), std::span<const double>(wanted));
 }
 
-/// A level's texels, face after face; the view is of packed RGB floats.
+/// Returns a level's texels, face after face; the view has packed RGB floats.
 inline std::vector<float> texels_of(const CubemapView& view) {
   const std::size_t count = 3 * static_cast<std::size_t>(view.size) * static_cast<std::size_t>(view.size);
   std::vector<float> texels;
@@ -164,7 +164,7 @@ inline void require_same_chain(const welkin_chain* chain, const Cubemap& expecte
   }
 }
 
-/// What a job hands out. `post` gets where its handle is to go, `get` takes the result out.
+/// Posts a job by `post`, waits for it, and returns the handle that `get` obtains from it.
 template <class Handle>
 Handle* posted_handle(const std::function<welkin_status(welkin_job**)>& post,
                       welkin_status (*get)(const welkin_job*, Handle**)) {

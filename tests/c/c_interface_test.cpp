@@ -13,11 +13,11 @@
 
 namespace welkin::test {
 
-// Each ErrorCode has a status of its own, and arrives as that one.
+// Each ErrorCode has its own status and arrives as that one.
 
 namespace {
 
-/// What an entry returns whose body throws this.
+/// Returns the status of an entry whose body throws `thrown`.
 template <class Thrown>
 welkin_status status_after(const Thrown& thrown) {
   return c_interface::guarded([&]() -> welkin_status { throw thrown; });
@@ -71,7 +71,7 @@ TEST_CASE("C: files' and pixels' errors arrive as what they are", "[c_interface]
   REQUIRE(welkin_project(&view, 1, &strict, nullptr, &light) == WELKIN_REJECTED_PIXEL);
   REQUIRE(std::string(welkin_last_error()).find("face") != std::string::npos);
 
-  // The same through a job, and as often as one asks.
+  // A job reports it as well, however often it is called.
   const CWorker worker(1);
   welkin_job* job = nullptr;
   REQUIRE(welkin_post_project(worker.get(), &view, 1, &strict, nullptr, &job) == WELKIN_OK);
@@ -110,19 +110,19 @@ TEST_CASE("C: what a callback throws stays inside", "[c_interface][slow]") {
 
 namespace {
 
-/// A structure in a buffer that is longer than any size that is believed, so that none is read past its end.
+/// A structure in a buffer longer than any size that is accepted, so that no read passes its end.
 template <class Struct>
 class Noisy {
  public:
-  /// A sound one, up to two of whose first `words` words are overwritten by all kinds of numbers.
+  /// Copies `sound` and overwrites up to two of its first `words` words with all kinds of numbers.
   Noisy(const Struct& sound, std::size_t words, std::mt19937& random) {
     std::memcpy(bytes_.data(), &sound, sizeof sound);
-    std::uniform_int_distribution<std::size_t> place(0, words - 1);
+    std::uniform_int_distribution<std::size_t> word(0, words - 1);
     std::uniform_int_distribution<int> kind(0, 3);
     for (int changes = kind(random) - 1; changes > 0; --changes) {
       const std::array<std::uint32_t, 4> values{static_cast<std::uint32_t>(random()), 0xffffffffU, 0x80000000U,
                                                 static_cast<std::uint32_t>(random() % 40)};
-      std::memcpy(bytes_.data() + 4 * place(random), &values.at(static_cast<std::size_t>(kind(random))), 4);
+      std::memcpy(bytes_.data() + 4 * word(random), &values.at(static_cast<std::size_t>(kind(random))), 4);
     }
   }
 
@@ -139,7 +139,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
   INFO("seed " << seed);
   std::mt19937 random(seed);
   const auto image = make_lat_long(Content::random, 8, 4, 1);
-  // Dimensions stay: a larger image than there is cannot be told from a good one.
+  // Dimensions stay: an image larger than its memory cannot be distinguished from a valid one.
   auto sound_view = c_view(image.view());
   auto sound_options = c_struct<welkin_projection_options>();
   sound_options.bands = 2;
@@ -157,7 +157,7 @@ TEST_CASE("C: noise in structures is refused or harmless", "[c_interface]") {
     const CWorker worker(1);
     for (int run = 0; run < 3000; ++run) {
       Noisy<welkin_projection_options> options(sound_options, kOptionWords, random);
-      // Formats of more bytes would read past the image: of its first half in f32, any other stays inside.
+      // Wider formats would read past the image; the first half of it in f32 is within the image in any format.
       sound_view.height = 2;
       Noisy<welkin_environment> view(sound_view, kViewWords, random);
       auto light = c_struct<welkin_projection>();
@@ -189,7 +189,7 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   std::mt19937 random(seed);
   const auto cube = make_cubemap(Content::random, 4, 3, 1);
   const welkin_environment view = c_view(cube.view());
-  // Limits of memory stay, so that no noise asks for minutes of work: what is large is refused by them.
+  // Memory limits stay, so that they refuse large sizes and no noise causes minutes of work.
   auto sound_bake = c_struct<welkin_bake_options>();
   sound_bake.memory_limit_bytes = 1 << 26;
   auto sound_specular = c_struct<welkin_prefilter_options>();
@@ -224,7 +224,7 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
     REQUIRE((made != nullptr) == (sky == WELKIN_OK));
     welkin_sky_tables_destroy(made);
 
-    // Of four floats a texel there is room for every format that is written.
+    // Four floats per texel suffice for every format that is written.
     Noisy<welkin_target> target(sound_target, 2, random);
     const welkin_status copied = welkin_chain_copy(chain, 0, target.get(), nullptr);
     REQUIRE((copied == WELKIN_OK || copied == WELKIN_INVALID_ARGUMENT));
@@ -234,12 +234,12 @@ TEST_CASE("C: noise in the structures of bakes and skies is refused or harmless"
   welkin_chain_destroy(chain);
 }
 
-// Many threads retain, ask, cancel and release; each job's pixels are released once, and each handle lives until its
-// last reference goes.
+// Many threads retain, query, cancel and release; each job's pixels are released once, and each handle lives until its
+// last reference is released.
 
 namespace {
 
-/// One post's pixels: how often they were released, and whether the job's callback came.
+/// One post's pixels: how often they were released, and whether the job's callback was called.
 struct Slot {
   std::atomic<int> released{0};
   std::atomic<int> completed{0};
@@ -331,11 +331,11 @@ TEST_CASE("C: pixels are released once, whoever posts, cancels, drains and termi
   }
 }
 
-// What comes through the C interface is, bit for bit, what the C++ calls give.
+// Results of the C interface equal those of the C++ calls bit for bit.
 
 namespace {
 
-/// Two sets of options. (fields_in_c_test.cpp has what each option is in C++.)
+/// Two sets of options. (fields_in_c_test.cpp maps each option to C++.)
 std::array<welkin_projection_options, 2> all_wanted() {
   static std::array<welkin_pixel_policy, 2> policies;
   for (welkin_pixel_policy& policy : policies) policy = c_struct<welkin_pixel_policy>();
@@ -353,7 +353,7 @@ std::array<welkin_projection_options, 2> all_wanted() {
   return both;
 }
 
-/// Calls both with each set of options and compares with what `expected` gives for them.
+/// Calls both interfaces with each set of options and compares the results with `expected`.
 void check_projections(const std::function<Projection(const ProjectionOptions&)>& expected,
                        const std::function<welkin_status(const welkin_projection_options*, welkin_projection*)>& call,
                        const std::function<welkin_status(const welkin_projection_options*, welkin_job**)>& post) {

@@ -1,4 +1,4 @@
-// Every field of a structure of options arrives: a table of values, whose bytes are all that a structure has.
+// Tests that every field of every options structure arrives: tables of values that cover all bytes of a structure.
 #include "c/c_calls.h"
 #include "c/c_worker.h"
 #include "files/c_files.h"
@@ -13,7 +13,7 @@ namespace welkin::test {
 
 namespace {
 
-/// A value of a field, and what it changes of what the library reads; without `want` that is anything.
+/// A value of a field, and the change that it makes to the options that the library reads; any change without `want`.
 template <class Options, class Wanted>
 struct FieldValue {
   const char* name;
@@ -21,14 +21,14 @@ struct FieldValue {
   std::function<void(Wanted&)> want{};
 };
 
-/// A field, its value, and the member of the library's `options` that gets one: `FIELD(midpoint, 1, quadrature = ...)`.
+/// A field, its value, and the assignment to the library's `options`: `FIELD(midpoint, 1, quadrature = ...)`.
 #define FIELD(field, value, ...)                                                                       \
   {                                                                                                    \
 #field, [&](auto& options) { options.field = value; }, [&](auto& options) { options.__VA_ARGS__; } \
   }
 
-/// Requires that `base` is read as `wanted`, that each value changes of this what it is to change, and that the values
-/// together change every word but those that align the others.
+/// Requires that `base` is read as `wanted`, that each value makes its expected change, and that the values together
+/// change every word except padding.
 template <class Options, class Wanted, class Read>
 void check_fields(const Options& base, const Wanted& wanted, const Read& read,
                   const std::vector<FieldValue<Options, Wanted>>& fields, std::ptrdiff_t padding = 0) {
@@ -207,7 +207,7 @@ TEST_CASE("C: every field of atmospheres and constituents is read", "[c_interfac
   const DensityLayer lower{100.0, 1.0, -0.1, 0.2, 0.3};
   const std::array wavelengths{700.0, 600.0, 500.0, 400.0};
   const std::array numbers{0.31, 0.32, 0.33, 0.34};
-  const std::vector<double> three{0.31, 0.32, 0.33};  // of Mars's wavelengths
+  const std::vector<double> three{0.31, 0.32, 0.33};  // at Mars's wavelengths
   auto matter = c_struct<welkin_constituent>();
   matter.layer_count = 1;
   matter.layers = layers.data();

@@ -12,7 +12,7 @@
 namespace welkin::test {
 namespace {
 
-/// The tests' tiny tables. (fields_in_c_test.cpp has what each option is in C++.)
+/// The tests' tiny tables. (fields_in_c_test.cpp maps each option to C++.)
 welkin_sky_table_options tiny_tables_in_c() {
   auto values = c_struct<welkin_sky_table_options>();
   values.heights = 4;
@@ -216,7 +216,7 @@ TEST_CASE("C: a sky's harmonics and reflections have the C++ calls' bits, at onc
 
 namespace {
 
-/// Both skies, driven alike.
+/// Two dynamic skies, one per interface, that are driven alike.
 struct TwoSkies {
   Worker worker;
   CWorker c_worker;
@@ -235,7 +235,7 @@ struct TwoSkies {
     REQUIRE(welkin_sky_light_set_sun(c_light.handle, direction.data()) == WELKIN_OK);
   }
 
-  /// Both are updated until nothing is left to be done.
+  /// Updates both until no work is left.
   welkin_sky_frame settled() {
     auto frame = c_struct<welkin_sky_frame>();
     for (int i = 0; i < 20000 && !(light.light().settled && frame.settled == 1); ++i) {
@@ -291,7 +291,7 @@ TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its refle
   require_same(first, skies.light.light());
   REQUIRE(first.reflections[0].id > 0);
 
-  // An azimuth and an intensity make nothing anew: the same chain, turned.
+  // A new azimuth or intensity recomputes nothing: the chain is only rotated.
   skies.set_sun(30.0, 160.0);
   skies.light.set_intensity(3.0);
   REQUIRE(welkin_sky_light_set_intensity(skies.c_light.handle, 3.0) == WELKIN_OK);
@@ -300,7 +300,7 @@ TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its refle
   REQUIRE(rotated.reflections[0].id == first.reflections[0].id);
   REQUIRE(rotated.reflections[0].weight == 3.0);
 
-  // An elevation does: the chain that was the newer one keeps its number as the older one.
+  // A new elevation makes a new chain; the previous one keeps its number as the older one.
   skies.set_sun(10.0, 160.0);
   auto blended = c_struct<welkin_sky_frame>();
   for (int i = 0; i < 20000 && blended.reflections[0].id <= first.reflections[0].id; ++i) {
@@ -312,7 +312,7 @@ TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its refle
   REQUIRE(blended.reflections[1].chain != nullptr);
   REQUIRE(blended.reflections[0].weight + blended.reflections[1].weight == Approx(3.0));
 
-  // So does an altitude.
+  // A new altitude makes a new chain as well.
   skies.set_sun(5.0, 160.0);
   skies.light.set_altitude(2000.0);
   REQUIRE(welkin_sky_light_set_altitude(skies.c_light.handle, 2000.0) == WELKIN_OK);
@@ -320,7 +320,7 @@ TEST_CASE("C: the dynamic sky gives the light of SkyLight, and numbers its refle
   require_same(lower, skies.light.light());
   REQUIRE(lower.reflections[0].id > first.reflections[0].id);
 
-  // Room for fewer bands than there are.
+  // A structure for fewer bands than there are is refused.
   auto small = c_struct<welkin_sky_frame>();
   small.struct_size = offsetof(welkin_sky_frame, coefficients) + 27 * sizeof(double);
   REQUIRE(welkin_sky_light_update(skies.c_light.handle, 0.0, &small) == WELKIN_INVALID_ARGUMENT);

@@ -32,7 +32,7 @@ constexpr std::array kTargetFormats{
 
 std::uint16_t half_of(float value) { return Imath::half(std::min(std::max(value, -65504.0F), 65504.0F)).bits(); }
 
-/// The bytes that a texel of three floats is to have.
+/// Returns the expected bytes of a texel of three floats.
 std::vector<std::uint8_t> texel_bytes(const float* rgb, const TargetFormat& format) {
   std::vector<std::uint8_t> bytes;
   for (std::size_t c = 0; c < format.channels; ++c) {
@@ -45,7 +45,7 @@ std::vector<std::uint8_t> texel_bytes(const float* rgb, const TargetFormat& form
   return bytes;
 }
 
-/// A chain of the background of a cubemap whose texels go beyond halves.
+/// Bakes only the background of a cubemap with texels beyond the range of halves.
 welkin_bake_result* bright_bake(const welkin_environment& view) {
   auto options = c_struct<welkin_bake_options>();
   options.leave_out = WELKIN_PART_SPECULAR | WELKIN_PART_IRRADIANCE | WELKIN_PART_HARMONICS | WELKIN_PART_BRDF;
@@ -56,7 +56,7 @@ welkin_bake_result* bright_bake(const welkin_environment& view) {
 
 constexpr std::uint8_t kUntouched = 0x5a;
 
-/// Six faces in one block with `padding` bytes behind each row, rows upwards if `upwards`.
+/// Checks six faces in one block with `padding` bytes behind each row, and rows upwards if `upwards`.
 void check_target(const welkin_chain* chain, int level, const TargetFormat& format, std::size_t padding, bool upwards) {
   const auto texels = texels_of(chain, level);
   auto info = c_struct<welkin_environment>();
@@ -69,17 +69,17 @@ void check_target(const welkin_chain* chain, int level, const TargetFormat& form
   target.format = format.format;
   target.size = info.size;
   target.row_stride_bytes = padding == 0 && !upwards ? 0 : static_cast<std::int64_t>(row) * (upwards ? -1 : 1);
-  const auto place = [&](std::size_t face, std::size_t y) {
+  const auto row_of = [&](std::size_t face, std::size_t y) {
     return block.data() + (face * size + (upwards ? size - 1 - y : y)) * row;
   };
-  for (std::size_t face = 0; face < 6; ++face) target.faces[face] = place(face, 0);
+  for (std::size_t face = 0; face < 6; ++face) target.faces[face] = row_of(face, 0);
   std::uint64_t clamped = 99;
   REQUIRE(welkin_chain_copy(chain, level, &target, &clamped) == WELKIN_OK);
   std::uint64_t expected_clamped = 0;
   bool same = true;
   for (std::size_t face = 0; face < 6; ++face) {
     for (std::size_t y = 0; y < size; ++y) {
-      const std::uint8_t* at = place(face, y);
+      const std::uint8_t* at = row_of(face, y);
       for (std::size_t x = 0; x < size; ++x, at += texel) {
         const float* rgb = texels.data() + 3 * ((face * size + y) * size + x);
         for (std::size_t c = 0; c < std::min<std::size_t>(format.channels, 3); ++c) {
@@ -170,15 +170,15 @@ struct BothTargets {
 };
 
 /// Memory for all cubemaps of a bake of 4 texels.
-struct BakeRoom {
-  BakeRoom() : c(c_struct<welkin_bake_targets>()) {
+struct BakeBuffers {
+  BakeBuffers() : c(c_struct<welkin_bake_targets>()) {
     c.background = background.c.data();
     c.background_count = 3;
     c.specular = specular.c.data();
     c.specular_count = 1;
     c.irradiance = irradiance.c.data();
   }
-  friend bool operator==(const BakeRoom& a, const BakeRoom& b) {
+  friend bool operator==(const BakeBuffers& a, const BakeBuffers& b) {
     return a.background.memory == b.background.memory && a.specular.memory == b.specular.memory &&
            a.irradiance.memory == b.irradiance.memory;
   }
@@ -209,8 +209,8 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
 
   const CWorker worker(2);
   const auto check = [&](const auto& view, const auto& post) {
-    const BakeRoom expected;
-    const BakeRoom found;
+    const BakeBuffers expected;
+    const BakeBuffers found;
     const BakeResult baked =
         bake_to({expected.background.cpp, expected.specular.cpp, expected.irradiance.cpp.front()}, view, options);
     int released = 0;
@@ -236,15 +236,15 @@ TEST_CASE("C: a posted bake writes halves to the caller's memory with the bits o
           return welkin_post_bake(worker.get(), &wide_view, &asked, targets, posting, job);
         }) > 0);
 
-  BakeRoom room;
+  BakeBuffers buffers;
   const auto refused = [&](std::string_view what) {
     welkin_job* job = nullptr;
-    CHECK(welkin_post_bake(worker.get(), &cube_view, &asked, &room.c, nullptr, &job) == WELKIN_INVALID_ARGUMENT);
+    CHECK(welkin_post_bake(worker.get(), &cube_view, &asked, &buffers.c, nullptr, &job) == WELKIN_INVALID_ARGUMENT);
     CHECK(std::string(welkin_last_error()).find(what) != std::string::npos);
   };
-  room.irradiance.c[0].format = WELKIN_FORMAT_RGB_F16;
+  buffers.irradiance.c[0].format = WELKIN_FORMAT_RGB_F16;
   refused("targets.irradiance[0].format");
-  room.c.specular_count = -1;
+  buffers.c.specular_count = -1;
   refused("targets.specular is -1");
 }
 
@@ -315,7 +315,7 @@ TEST_CASE("C: bakes of files have the C++ call's bits, at once and as jobs", "[c
 TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]") {
   const TemporaryDirectory directory;
   const Reflections reflections;
-  const auto place = [&](const char* name) { return directory.file(name).string(); };
+  const auto path = [&](const char* name) { return directory.file(name).string(); };
   auto options = c_struct<welkin_texture_options>();
   options.format = WELKIN_TEXEL_E5B9G9R9;
   options.supercompression = WELKIN_SUPERCOMPRESSION_ZSTD;
@@ -325,28 +325,28 @@ TEST_CASE("C: textures are the bytes that the C++ calls write", "[c_interface]")
   for (std::size_t level = 0; level < mips.size(); ++level) {
     REQUIRE(welkin_chain_get_level(reflections.chain, static_cast<std::int32_t>(level), &mips[level]) == WELKIN_OK);
   }
-  const auto report = write_texture(place("cpp.ktx2"), reflections.expected.cubemap.views(), expected);
+  const auto report = write_texture(path("cpp.ktx2"), reflections.expected.cubemap.views(), expected);
   std::uint64_t clamped = 99;
-  REQUIRE(welkin_write_texture(place("c.ktx2").c_str(), mips.data(), 5, &options, nullptr, &clamped) == WELKIN_OK);
+  REQUIRE(welkin_write_texture(path("c.ktx2").c_str(), mips.data(), 5, &options, nullptr, &clamped) == WELKIN_OK);
   REQUIRE(clamped == report.values_clamped);
-  REQUIRE(read_text(place("c.ktx2")) == read_text(place("cpp.ktx2")));
+  REQUIRE(read_text(path("c.ktx2")) == read_text(path("cpp.ktx2")));
 
   // The chain brings its roughness, which a later bake finds.
-  REQUIRE(welkin_write_chain(place("chain.ktx2").c_str(), reflections.chain, &options, nullptr, nullptr) == WELKIN_OK);
-  REQUIRE(same_bits(read_texture(place("chain.ktx2")).cubemap, read_texture(place("c.ktx2")).cubemap));
-  const StoredEnvironment stored = inspect_stored_environment(place("chain.ktx2"));
+  REQUIRE(welkin_write_chain(path("chain.ktx2").c_str(), reflections.chain, &options, nullptr, nullptr) == WELKIN_OK);
+  REQUIRE(same_bits(read_texture(path("chain.ktx2")).cubemap, read_texture(path("c.ktx2")).cubemap));
+  const StoredEnvironment stored = inspect_stored_environment(path("chain.ktx2"));
   REQUIRE(stored.content == LevelContent::reflections);
   REQUIRE(stored.roughness == mip_roughness(RoughnessSchedule::babylon, 5, 16));
 
   const std::vector<float> rgb{0.5F, 1.0F, 2.0F, 3.0F, 4.0F, 5.0F};
-  write_texture_2d(place("cpp.dds"), 2, 1, rgb.data());
+  write_texture_2d(path("cpp.dds"), 2, 1, rgb.data());
   const welkin_environment flat = c_view(LatLongView{rgb.data(), 2, 1});
-  REQUIRE(welkin_write_texture(place("c.dds").c_str(), &flat, 1, nullptr, nullptr, nullptr) == WELKIN_OK);
-  REQUIRE(read_text(place("c.dds")) == read_text(place("cpp.dds")));
+  REQUIRE(welkin_write_texture(path("c.dds").c_str(), &flat, 1, nullptr, nullptr, nullptr) == WELKIN_OK);
+  REQUIRE(read_text(path("c.dds")) == read_text(path("cpp.dds")));
 
-  REQUIRE(welkin_write_texture(place("c.gif").c_str(), mips.data(), 5, nullptr, nullptr, nullptr) ==
+  REQUIRE(welkin_write_texture(path("c.gif").c_str(), mips.data(), 5, nullptr, nullptr, nullptr) ==
           WELKIN_UNSUPPORTED_FILE);
-  REQUIRE(welkin_write_texture(place("c.ktx2").c_str(), mips.data(), 0, nullptr, nullptr, nullptr) ==
+  REQUIRE(welkin_write_texture(path("c.ktx2").c_str(), mips.data(), 0, nullptr, nullptr, nullptr) ==
           WELKIN_INVALID_ARGUMENT);
   REQUIRE(welkin_write_texture(directory.file("no/folder.ktx2").string().c_str(), mips.data(), 5, nullptr, nullptr,
                                nullptr) == WELKIN_FILE_ACCESS);

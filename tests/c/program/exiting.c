@@ -1,4 +1,4 @@
-/* Functions that end the thread they are called on, which is not theirs: the library's thread goes on. */
+/* Functions that try to end the calling thread, which belongs to the library: it goes on. */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@ static void exit_thread_release(void* its_counter) {
   pthread_exit(NULL);
 }
 
-/* On the worker's one thread, which must be there for the jobs that follow. */
+/* Runs on the worker's only thread, which must survive for the jobs that follow. */
 static void exiting_in_functions(void) {
   welkin_worker* worker = make_worker();
   for (int i = 0; i < 3; ++i) {

@@ -1,11 +1,11 @@
-/* Calls that run out of memory say so, and release what was handed over: the first allocation of the calling thread
- * fails, then the second, and so on until the call needs none that fails. */
+/* Calls that run out of memory report it and release what was handed over: the first allocation of the calling thread
+* fails, then the second, and so on until the call succeeds. */
 #include <errno.h>
 #include <stdlib.h>
 
 #include "support.h"
 
-/* Sanitizers bring a heap of their own; nothing can fail under them. */
+/* Sanitizers have their own heap, in which no allocation can be made to fail. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
 void memory(void) {}
 #else
@@ -87,7 +87,7 @@ static void post_with_failures(welkin_status (*call)(void)) {
   welkin_job_release(job);
 }
 
-/* A call that makes a handle makes it, or says that there is no memory and makes none. */
+/* A call that makes a handle either makes it or reports a lack of memory and makes none. */
 static void make_chains_with_failures(void) {
   static const welkin_prefilter_options options = {.struct_size = sizeof options, .size = 4};
   welkin_chain *chain = NULL, *another = NULL;

@@ -1,4 +1,4 @@
-/* What no call can accept is refused with a message, and does no harm. */
+/* Invalid arguments are refused with a message and do no harm. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

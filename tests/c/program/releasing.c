@@ -1,4 +1,4 @@
-/* What is handed over is released exactly once, whatever becomes of the post. */
+/* Everything that is handed over is released exactly once, whatever the outcome of the post. */
 #include <stdlib.h>
 
 #include "support.h"
@@ -37,7 +37,7 @@ static void of_jobs_that_end(void) {
   free(pixels_of(&cubemap));
 }
 
-/* And handles are good for as long as they are held. */
+/* Handles stay valid for as long as they are held. */
 static void of_jobs_whose_worker_goes(void) {
   welkin_worker* worker = make_worker();
   gate closed = {0, 0};
@@ -47,7 +47,7 @@ static void of_jobs_whose_worker_goes(void) {
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, &post, &running));
   wait_until_entered(&closed);
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &closed, &post, &waiting));
-  welkin_worker_destroy(worker); /* the gate stays shut: the function sees that it is to stop */
+  welkin_worker_destroy(worker); /* the gate stays shut: the function sees the stop request */
   CHECK(counted(&released) == 2);
   CHECK(counted(&completed) == 0);
   int32_t given_up = -1;
@@ -88,7 +88,7 @@ static void of_posts_that_fail(void) {
   FAILS(welkin_post_function(worker, do_nothing, NULL, &post, &job));
 #undef FAILS
 
-  /* A size that is none: nothing behind it is read. */
+  /* An invalid size: nothing behind it is read. */
   post.struct_size = 7;
   CHECK_STATUS(WELKIN_INVALID_ARGUMENT, welkin_post_function(worker, do_nothing, NULL, &post, &job));
   CHECK(counted(&up) == expected);

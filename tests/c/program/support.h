@@ -1,10 +1,10 @@
-/* What the parts of the program share: checks, pixels, a gate at which jobs wait, counters for callbacks. */
+/* Shared by the parts of the program: checks, pixels, a gate at which jobs wait, counters for callbacks. */
 #ifndef WELKIN_TESTS_C_SUPPORT_H
 #define WELKIN_TESTS_C_SUPPORT_H
 
 #include <welkin/welkin.h>
 
-/* Prints what failed and goes on; the program's exit code is 1 then. From any thread. */
+/* Prints the failed check and goes on; the program's exit code becomes 1. May be called on any thread. */
 #define CHECK(condition) check((condition) ? 1 : 0, #condition, __FILE__, __LINE__)
 #define CHECK_STATUS(expected, call) check_status((expected), (call), #call, __FILE__, __LINE__)
 void check(int holds, const char* condition, const char* file, int line);
@@ -28,7 +28,7 @@ welkin_post_options counting(counter* released, counter* completed);
 
 welkin_status do_nothing(void* user, const welkin_control* control);
 
-/* A function to post: waits until the gate is opened or the job is given up. */
+/* A function to post: waits until the gate is opened or the job is cancelled. */
 typedef struct gate {
   int open, entered;
 } gate;
@@ -36,7 +36,7 @@ welkin_status wait_at_gate(void* its_gate, const welkin_control* control);
 void open_gate(gate* its_gate);
 void wait_until_entered(gate* its_gate);
 
-/* With one thread, and otherwise all defaults. */
+/* One thread, and defaults otherwise. */
 welkin_worker* make_worker(void);
 
 void sleep_milliseconds(int milliseconds);

@@ -5,7 +5,7 @@
 
 #include "support.h"
 
-/* What a later version might look like. */
+/* A structure as a later version might declare it. */
 typedef struct newer_options {
   welkin_projection_options known;
   int32_t another, and_another;
@@ -67,7 +67,7 @@ static void longer_ones_must_be_zero(void) {
   free(pixels_of(&mips[1].known));
 }
 
-/* Also when they are refused for that, what was handed over is released. */
+/* A post that is refused because its options are newer still releases what was handed over. */
 static void newer_posts_are_released(void) {
   struct {
     welkin_post_options known;
@@ -86,7 +86,7 @@ static void newer_posts_are_released(void) {
   post.another = NULL;
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &open, &post.known, NULL));
 
-  /* An older one, that ends before the callbacks. */
+  /* An older structure that ends before the callbacks. */
   post.known.struct_size = offsetof(welkin_post_options, release);
   CHECK_STATUS(WELKIN_OK, welkin_post_function(worker, wait_at_gate, &open, &post.known, NULL));
   welkin_worker_destroy(worker);
@@ -98,7 +98,7 @@ static void results_fill_what_there_is(void) {
   welkin_projection whole = {.struct_size = sizeof whole};
   CHECK_STATUS(WELKIN_OK, welkin_project(&cubemap, 1, NULL, NULL, &whole));
 
-  /* Room for three bands, and a byte pattern behind. */
+  /* Memory for three bands, followed by a byte pattern. */
   const size_t three_bands = offsetof(welkin_projection, coefficients) + 27 * sizeof(double);
   welkin_projection small;
   memset(&small, 0x5a, sizeof small);
