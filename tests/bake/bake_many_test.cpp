@@ -1,4 +1,4 @@
-// Many probes baked in one call: what single calls give, in memory of the caller's.
+// Many probes baked in one call: the results of single calls, in the caller's memory.
 #include <memory_resource>
 
 #include "bake/baked.h"
@@ -15,9 +15,9 @@ namespace welkin::test {
 
 namespace {
 
-/// Room for the chains of many probes, as halves.
-struct Room {
-  Room(const PrefilterOptions& options, std::size_t count)
+/// Memory for the chains of many probes, stored in half precision.
+struct ChainBuffers {
+  ChainBuffers(const PrefilterOptions& options, std::size_t count)
       : layout{.format = TexelFormat::rgba16f, .size = options.size, .levels = *options.mips},
         bytes(upload_bytes(layout)),
         memory(bytes * count, std::byte{0xEE}) {
@@ -59,7 +59,7 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
   const PrefilterOptions options = small_chain();
   for (const std::size_t count : {0, 1, 2, 50}) {
     const Probes probes(count);
-    Room expected(options, count);
+    ChainBuffers expected(options, count);
     std::vector<dvec3> light;
     std::uint64_t clamped = 0;
     ProjectionDiagnostics sum;
@@ -73,7 +73,7 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
     }
     for (const int threads : {1, 2, 4}) {
       CAPTURE(count, threads);
-      Room found(options, count);
+      ChainBuffers found(options, count);
       std::vector<dvec3> coefficients(16 * count);
       BakeResult result;
       run_with_threads(threads, [&] {
@@ -92,8 +92,8 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
 TEST_CASE("Many probes need no harmonics", "[bake][many]") {
   const Probes probes(9);
   const PrefilterOptions options = small_chain();
-  Room with(options, 9);
-  Room without(options, 9);
+  ChainBuffers with(options, 9);
+  ChainBuffers without(options, 9);
   std::vector<dvec3> coefficients(9 * 9);
   bake_many(probes.views, with.targets, coefficients, options);
   const BakeResult result = bake_many(probes.views, without.targets, {}, options, 0);
@@ -104,9 +104,11 @@ TEST_CASE("Many probes need no harmonics", "[bake][many]") {
 TEST_CASE("Errors of many bakes name the first probe that they are about", "[bake][many]") {
   Probes probes(30);
   PrefilterOptions options = small_chain();
-  Room room(options, 30);
+  ChainBuffers buffers(options, 30);
   std::vector<dvec3> coefficients(9 * 30);
-  const auto error = [&] { return thrown_by([&] { bake_many(probes.views, room.targets, coefficients, options); }); };
+  const auto error = [&] {
+    return thrown_by([&] { bake_many(probes.views, buffers.targets, coefficients, options); });
+  };
   options.pixels.nan = NonFinitePolicy::reject;
   for (const int threads : {1, 2, 4}) {
     run_with_threads(threads, [&] {
@@ -115,33 +117,33 @@ TEST_CASE("Errors of many bakes name the first probe that they are about", "[bak
       CHECK(rejected.message.starts_with("probe 1: a channel of the texel at face +X"));
     });
   }
-  const std::vector<std::byte> before = room.memory;
-  room.targets[4 * 17 + 2].faces[3] = nullptr;
+  const std::vector<std::byte> before = buffers.memory;
+  buffers.targets[4 * 17 + 2].faces[3] = nullptr;
   CHECK(error().code == ErrorCode::invalid_argument);
   CHECK(error().message.starts_with("probe 17: "));
   probes.views[5].size = 0;
   CHECK(error().message.starts_with("probe 5: "));
-  room.targets.pop_back();
+  buffers.targets.pop_back();
   CHECK(error().says("119 targets"));
   coefficients.pop_back();
-  CHECK(thrown_by([&] { bake_many(probes.views, room.targets, coefficients, options, 17); }).says("bands is 17"));
-  CHECK(same_bytes<std::byte>(before, room.memory));
+  CHECK(thrown_by([&] { bake_many(probes.views, buffers.targets, coefficients, options, 17); }).says("bands is 17"));
+  CHECK(same_bytes<std::byte>(before, buffers.memory));
 }
 
 TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slow]") {
   const Probes probes(20);
   const PrefilterOptions options = small_chain();
-  Room room(options, 20);
+  ChainBuffers buffers(options, 20);
   std::vector<dvec3> coefficients(9 * 20);
   double last = 0.0;
-  bake_many(probes.views, room.targets, coefficients, options, 3, {.progress = [&](double done) {
+  bake_many(probes.views, buffers.targets, coefficients, options, 3, {.progress = [&](double done) {
               CHECK(done >= last);
               last = done;
             }});
   CHECK(last == 1.0);
   stop_source stop;
   const ThrownError error = thrown_by([&] {
-    bake_many(probes.views, room.targets, coefficients, options, 3,
+    bake_many(probes.views, buffers.targets, coefficients, options, 3,
               {.stop = stop.get_token(), .progress = [&](double done) {
                  if (done > 0.3) stop.request_stop();
                }});
@@ -149,7 +151,7 @@ TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slo
   CHECK(error.code == ErrorCode::cancelled);
 }
 
-// Whose memory a bake's cubemaps are in: targets of the caller's, or what a memory resource of the caller's gives.
+// The memory of a bake's cubemaps: the caller's targets, or memory from the caller's memory resource.
 
 namespace {
 
@@ -158,7 +160,7 @@ struct Block : TargetMemory {
       : TargetMemory({.format = format, .size = size, .levels = levels, .row_alignment_bytes = 64}) {}
 };
 
-/// Counts what is taken and given back, on whichever threads.
+/// Counts allocated and freed memory, on any threads.
 class CountingResource final : public std::pmr::memory_resource {
  public:
   [[nodiscard]] std::size_t taken() const { return taken_; }
@@ -272,7 +274,7 @@ TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bak
   const BakeOptions options = quick_bake();
   BakeOptions others = options;
   others.specular->roughness = {0.0, 0.3, 0.8};
-  for (const BakeOptions& each : {options, options, others}) {  // nothing is known, all, and two mips of three
+  for (const BakeOptions& each : {options, options, others}) {  // cached: nothing, everything, two mips of three
     CountingResource memory;
     const BakeResult result = cache.bake(image.view(), each, {.memory = &memory});
     const std::size_t bytes = result.background->bytes() + result.specular->cubemap.bytes();

@@ -1,4 +1,4 @@
-// What bakes are made from: files, with what those bring along, and skies.
+// Sources of bakes: files, with the results that they store, and skies.
 #include "bake/baked.h"
 #include "places.h"
 #include "support/catch.h"
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kSize = 16;
 
-/// Levels that are no mips of each other.
+/// Levels that are not mips of each other.
 Cubemap odd_chain() {
   Cubemap chain(kSize, full_chain_levels(kSize));
   for (int level = 0; level < chain.levels(); ++level) {
@@ -55,7 +55,7 @@ std::filesystem::path write_ktx2(const TemporaryDirectory& directory, const std:
 
 }  // namespace
 
-// Promise: a file bakes as what is in it; an .env file keeps its polynomial.
+// Promise: baking a file equals baking its content; an .env file keeps its polynomial.
 
 TEST_CASE("A file bakes as its pixels do", "[bake][codec]") {
   const TemporaryDirectory directory;
@@ -84,7 +84,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   CHECK(found.stored_polynomial->xx == glm::dvec3(41.0, 42.0, 43.0));
   CHECK(pass_named(found, "project").action == PassAction::reuse);
   CHECK(found.diagnostics.passes.front().name == "read");
-  // That is also where the coefficients and the irradiance come from.
+  // The coefficients and the irradiance come from the polynomial as well.
   const Projection stored = project_file(path);
   REQUIRE(found.radiance);
   CHECK(same_bytes<glm::dvec3>(found.radiance->coefficients(), stored.radiance.coefficients()));
@@ -92,7 +92,7 @@ TEST_CASE("An .env file is baked in our axes and keeps its polynomial", "[bake][
   CHECK(same_bits(found.diagnostics.total_radiance, stored.diagnostics.total_radiance));
   CHECK(found.diagnostics.texels == 6 * 16 * 16);
 
-  // More bands are not in it. RGBD rounds to some parts of a thousand: the same image, the same way round.
+  // The polynomial has no more bands. RGBD rounds to a few parts per thousand: the same image in the same orientation.
   BakeOptions more = small_bake();
   more.bands = 4;
   const BakeResult projected = bake_file(path, {}, more);
@@ -120,8 +120,8 @@ TEST_CASE("Files that cannot be baked say why", "[bake][codec]") {
   CHECK(error.says("row"));
 }
 
-// Promise: what a file carries already is taken as it is and not computed again, and pixels that no pass wants are not
-// even read.
+// Promise: results stored in a file are taken unchanged and not recomputed; pixels that no pass needs are not even
+// read.
 
 TEST_CASE("Of an .env whose light alone is used only the manifest is read", "[plan][codec]") {
   const TemporaryDirectory directory;
@@ -174,7 +174,7 @@ TEST_CASE("What a file carries is computed all the same if that is asked for", "
   const BakeResult pixels = bake(stored.view(0), whole_bake());
   CHECK(same_bytes<glm::dvec3>(result.radiance->coefficients(), pixels.radiance->coefficients()));
   CHECK(same_bits(result.specular->cubemap, pixels.specular->cubemap));
-  // what it carries is of GGX
+  // its stored chain is of GGX
   BakeOptions sheen = whole_bake();
   sheen.specular->roughness = {0.5, 0.8};
   sheen.specular->mips = 2;
@@ -281,7 +281,7 @@ TEST_CASE("A bake that reads no pixel keeps its memory limit too", "[plan][codec
   CHECK(thrown_by([&] { static_cast<void>(bake(stored, planned)); }).code == ErrorCode::limit_exceeded);
 }
 
-// Promise: of a sky only the tables and the light are made that the scene needs and the planet has.
+// Promise: a bake of a sky makes only the tables and the light that the scene needs and the planet has.
 
 namespace {
 
@@ -369,7 +369,7 @@ TEST_CASE("A planned sky has the bits of the direct calls", "[plan][sky]") {
   const SphericalHarmonics on_curve = SkyCurve(view, options.curve).at(sun);
   CHECK(same_bytes<glm::dvec3>(whole.curve->at(sun).coefficients(), on_curve.coefficients()));
   REQUIRE(still.specular);
-  CHECK(rough.options.specular->size == 2);  // of a sky as large as the whole chain has it
+  CHECK(rough.options.specular->size == 2);  // of a sky of the size that the whole chain uses
   CHECK(rough.options.specular->roughness == std::vector<double>{0.6, 1.0});
   CHECK(rough.pass("specular").reason.find("omitted: 2 sharper, 0 rougher") != std::string::npos);
   CHECK(same_bits(still.specular->cubemap,
@@ -381,7 +381,7 @@ TEST_CASE("A planned sky has the bits of the direct calls", "[plan][sky]") {
 
 namespace {
 
-/// Bytes that `made` takes at most while it is made.
+/// Returns the peak number of bytes that `made` takes.
 template <class Make>
 std::uint64_t peak_of(const Make& made) {
   const HeapWatch heap;
@@ -392,7 +392,7 @@ std::uint64_t peak_of(const Make& made) {
 
 }  // namespace
 
-// A view of compact tables has four azimuths where the tables have one; a quadrature and the solver counted for
+// A view of compact tables has four azimuths where the tables have one; a quadrature and the solver once counted as
 // nothing.
 TEST_CASE("A sky's plan bounds what its passes take, and not far above it", "[plan][sky][truth]") {
   for (const ScatteringLayout layout : {ScatteringLayout::full, ScatteringLayout::compact}) {
@@ -409,11 +409,11 @@ TEST_CASE("A sky's plan bounds what its passes take, and not far above it", "[pl
     const auto sky = [&] { return SkyView(tables, 0.0); };
     const auto light = [&] { return SkyProjector(view, options.harmonics).project(sun); };
     const auto over_suns = [&] { return SkyCurve(view, options.curve); };
-    static_cast<void>(light());  // what a process computes once
+    static_cast<void>(light());  // computes tables that a process makes once
     const auto check = [](std::uint64_t planned, std::uint64_t taken) {
       CAPTURE(planned, taken);
       CHECK(planned >= taken);
-      if (taken > 0) CHECK(2 * planned < 3 * taken);  // sanitizers have a heap of their own
+      if (taken > 0) CHECK(2 * planned < 3 * taken);  // sanitizers have their own heap
     };
     CAPTURE(static_cast<int>(layout));
     check(moving.pass("view").bytes, peak_of(sky));

@@ -1,4 +1,4 @@
-// Bakes: all that was asked for, the same bits everywhere, within the predicted memory, or an error and nothing left.
+// Bakes: every requested part, the same bits everywhere, within the predicted memory; or an error with nothing left.
 #include "welkin/bake.h"
 
 #include <typeinfo>
@@ -17,11 +17,11 @@
 
 namespace welkin::test {
 
-// Promise: a bake gives all that was asked for, each part what its own call gives, and says what it did.
+// Promise: a bake makes every requested part, each equal to that of its direct call, and reports its passes.
 
 namespace {
 
-/// The largest |value - expected| / expected over a level or image, channel by channel.
+/// Returns the largest |value - expected| / expected over a level or image, channel by channel.
 double off(std::span<const float> values, const std::array<double, 3>& expected) {
   double worst = 0.0;
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -172,7 +172,8 @@ TEST_CASE("An earlier result's memory is used again", "[bake]") {
 }
 
 TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
-  // The same image cleaned by hand: NaN 0, infinities 500, all above 500 too, negatives 0.
+  // The reference is the image sanitized by hand: NaN and negatives become 0, infinities and values above 500 become
+  // 500.
   for (const bool cube : {false, true}) {
     TestLatLong image = make_lat_long(Content::special_values, 48, 24, 8);
     TestCubemap cubemap = make_cubemap(Content::special_values, 20, 3, 8);
@@ -227,10 +228,10 @@ TEST_CASE("A bake's tiles allocate nothing", "[bake]") {
   CHECK(allocations_in_tiles() == 0);
 }
 
-// Promise: a bake needs no more memory than `bake_bytes` says, and not much less where it matters.
+// Promise: a bake needs at most `bake_bytes` of memory, and not much less where it matters.
 
 TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
-  // There is room for thousands of lights, copies of their rows, and harmonics where near sums do not serve.
+  // The prediction covers thousands of lights, copies of their rows, and harmonics where near sums do not serve.
   const auto check = [](const EnvironmentView& view, const BakeOptions& options) { check_memory(view, options, 8); };
   for (const int width : {128, 1024}) {
     const TestLatLong wide = make_lat_long(Content::high_range, width, width / 2, 3);
@@ -241,7 +242,7 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
       check(cube.view(), small_bake(size));
     }
   }
-  // With a copy of the pixels.
+  // These bakes copy the pixels.
   check(make_lat_long_half(Content::high_range, 1024, 512, 3).view(), small_bake(64));
   check(make_lat_long(Content::special_values, 1024, 512, 3).view(), small_bake(64));
   BakeOptions sharp = small_bake(64);
@@ -249,7 +250,7 @@ TEST_CASE("A bake's memory stays below what was predicted", "[bake][slow]") {
   check(make_cubemap(Content::high_range, 300, 3, 3).view(), sharp);
 }
 
-// Promise: a bake that cannot be says so before it begins; one that is stopped or fails leaves nothing behind.
+// Promise: an impossible bake is refused before it begins; one that is stopped or fails leaves nothing behind.
 
 TEST_CASE("Options that no bake can have are refused", "[bake]") {
   const TestLatLong image = make_lat_long(Content::smooth, 24, 12, 5);
@@ -309,7 +310,7 @@ TEST_CASE("A bake above its memory limit is refused before it begins", "[bake]")
   CHECK(!worked);
   options.memory_limit_bytes = needed;
   CHECK(bake(image.view(), options).background->size() == 64);
-  // The largest of everything does not overflow.
+  // The largest values of all options do not overflow.
   BakeOptions huge;
   huge.background->size = 16384;
   huge.specular = PrefilterOptions{.size = 8192};

@@ -1,4 +1,4 @@
-// Bakes looked at and compared.
+// Comparing bakes, and measuring their memory.
 #pragma once
 
 #include "support/catch.h"
@@ -11,7 +11,7 @@
 
 namespace welkin::test {
 
-/// Everything but passes, times and memory.
+/// Compares everything except passes, times and memory.
 inline bool same_results(const BakeResult& a, const BakeResult& b) {
   const auto same = [](const auto& x, const auto& y, const auto& compare) {
     return static_cast<bool>(x) == static_cast<bool>(y) && (!x || compare(*x, *y));
@@ -31,7 +31,7 @@ inline bool same_results(const BakeResult& a, const BakeResult& b) {
          same_pixels(a.diagnostics, b.diagnostics);
 }
 
-/// The reasons of passes too, but for whether a table was made before.
+/// Compares the reasons of passes too, except whether a table was made before.
 inline bool same_bits(const BakeResult& a, const BakeResult& b) {
   return same_results(a, b) &&
          std::ranges::equal(a.diagnostics.passes, b.diagnostics.passes, [](const PassRecord& p, const PassRecord& q) {
@@ -63,16 +63,16 @@ inline BakeOptions quick_bake(int size = 8) {
   return options;
 }
 
-/// Memory that bakes may take beyond what is predicted: tables by size that are kept between calls (weights, rules),
-/// TBB's own, and what is too small to be predicted.
+/// Memory that bakes may take beyond the prediction: tables per size that are kept between calls (weights, rules),
+/// TBB's memory, and blocks too small to be predicted.
 constexpr std::uint64_t kBesides = std::uint64_t{6} << 20U;
 
-/// Checks that a bake takes no more memory than is predicted, and that this is at most so many times as much. (Not
-/// under sanitizers, which have a heap of their own: there the result is empty.)
+/// Checks that a bake takes no more memory than is predicted, and that the prediction is at most `most_times` as much.
+/// (Sanitizers have their own heap: under them the check is left out and the result is empty.)
 inline BakeResult check_memory(const EnvironmentView& view, const BakeOptions& options, std::uint64_t most_times) {
   if (kSanitized) return {};
   const std::uint64_t predicted = bake_bytes(view, options);
-  release_working_memory();  // what an earlier bake left would not be allocated
+  release_working_memory();  // memory that an earlier bake left would not be allocated again
   const HeapWatch heap;
   BakeResult result = bake(view, options);
   const auto peak = static_cast<std::uint64_t>(heap.peak_bytes());
@@ -84,7 +84,7 @@ inline BakeResult check_memory(const EnvironmentView& view, const BakeOptions& o
 
 constexpr std::byte kUntouched{0xcd};
 
-/// Memory of one chain, to which nothing was written yet, and targets in it.
+/// The unwritten memory of one chain, and targets in it.
 struct TargetMemory {
   explicit TargetMemory(const UploadLayout& layout)
       : memory(upload_bytes(layout), kUntouched), targets(upload_targets(layout, memory)) {}
@@ -97,7 +97,7 @@ struct TargetMemory {
   std::vector<CubemapTarget> targets;
 };
 
-/// The bytes that `store_texels` makes of a chain, whose size and levels the layout gets.
+/// Returns the bytes that `store_texels` makes of a chain; `layout` receives the chain's size and levels.
 inline std::vector<std::byte> stored(const Cubemap& chain, UploadLayout layout = {.format = TexelFormat::rgba32f}) {
   layout.size = chain.size();
   layout.levels = chain.levels();

@@ -31,8 +31,8 @@ Cubemap irradiance_of(const EnvironmentView& view, int size, double rms_error = 
 }
 
 struct Off {
-  double rms = 0.0;      ///< over the root mean square of the truth
-  double largest = 0.0;  ///< over the truth at the same texel and channel
+  double rms = 0.0;      ///< relative to the root mean square of the reference
+  double largest = 0.0;  ///< relative to the reference at the same texel and channel
 };
 
 Off off(const Cubemap& found, const Cubemap& truth) {
@@ -127,7 +127,7 @@ TEST_CASE("Irradiance of a hemisphere, of a cosine and of a lamp is what the clo
   const double power = 1e5 * image::lat_long_texel_solid_angle(256, 128, 40);
   at_texels(irradiance_of(lamp.view(), 16), [&](const glm::dvec3& rgb, const glm::dvec3& normal) {
     const double cosine_of_lamp = glm::dot(normal, towards);
-    if (std::abs(cosine_of_lamp) < 0.02) return;  // the horizon may cut it
+    if (std::abs(cosine_of_lamp) < 0.02) return;  // the horizon may cut the lamp
     REQUIRE(std::abs(rgb.g - power * std::max(0.0, cosine_of_lamp)) <= 1e-3 * power * std::max(0.0, cosine_of_lamp));
   });
 }
@@ -191,7 +191,7 @@ TEST_CASE("Irradiance keeps negative light, and huge and tiny radiance", "[irrad
   const LatLongImage most = grey(16, std::numeric_limits<float>::max());
   const Cubemap most_irradiance = irradiance_of(most.view(), 3);
   for (const float value : most_irradiance.pixels())
-    REQUIRE(value == std::numeric_limits<float>::max());  // pi times that is no float
+    REQUIRE(value == std::numeric_limits<float>::max());  // pi times that exceeds a float
 }
 
 namespace {
@@ -206,7 +206,7 @@ BakeOptions beside_chain(int size, double chain_error = 1e-3) {
 
 TEST_CASE("Irradiance of stripes is no further off than its estimate", "[irradiance_bake]") {
   constexpr int kSize = 4;
-  // Rows of one and two texels, whose waves lie where a clipped cosine has no odd degrees, and columns.
+  // Rows of one and two texels, whose frequencies lie at the odd degrees that a clipped cosine lacks, and columns.
   for (const auto& [width, height, rows] :
        {std::array{106, 53, 1}, std::array{65, 32, 2}, std::array{8, 63, 1}, std::array{128, 64, 0}}) {
     LatLongImage stripes{width, height, {}};
@@ -266,7 +266,7 @@ TEST_CASE("A chain's mips do not depend on irradiance beside it, nor irradiance 
   REQUIRE(both.irradiance_record->method == MipMethod::spectral);
   const PrefilteredSpecular alone = prefilter_specular(image.view(), *options.specular);
   CHECK(same_bits(both.specular->cubemap, alone.cubemap));
-  options.irradiance->rms_error = 1e-4;  // the chain's harmonics do not do for that
+  options.irradiance->rms_error = 1e-4;  // the chain's harmonics are not accurate enough
   const BakeResult tighter = bake(image.view(), options);
   CHECK(same_bits(tighter.specular->cubemap, alone.cubemap));
   CHECK(same_bits(*tighter.irradiance, irradiance_of(image.view(), 6, 1e-4)));
@@ -281,7 +281,7 @@ TEST_CASE("Irradiance beside a chain has the same bits whatever a cache holds", 
   ResultCache cache;
   static_cast<void>(cache.bake(image.view(), irradiance_alone(6)));
   static_cast<void>(cache.bake(image.view(), chain));
-  for (int k = 0; k < 2; ++k) {  // mips are found, irradiance at first is not
+  for (int k = 0; k < 2; ++k) {  // mips are cached already; irradiance is cached the second time
     const BakeResult found = cache.bake(image.view(), options);
     CHECK(same_bits(*found.irradiance, *whole.irradiance));
     CHECK(same_bits(found.specular->cubemap, whole.specular->cubemap));

@@ -1,4 +1,4 @@
-// Lobes other than GGX and octahedral maps in bakes: the bits of the direct calls, whichever way a bake is asked for.
+// Lobes other than GGX and octahedral maps in bakes: the bits of the direct calls for every kind of bake.
 #include "bake/baked.h"
 #include "cache/recipe.h"
 #include "reflections/prefilter_plan.h"
@@ -24,10 +24,10 @@ double power(double roughness) { return 2.0 / (roughness * roughness * roughness
 
 struct FamilyOptions {
   PrefilterOptions options;
-  std::vector<ZonalLobe> kernels;  ///< of the direct call; none: that is the call by family
+  std::vector<ZonalLobe> kernels;  ///< of the direct call; if empty, that is the call by family
 };
 
-/// Wide lobes: narrow ones take long.
+/// Wide lobes, because narrow ones take long.
 std::vector<FamilyOptions> all_families() {
   const std::vector<double> two{0.5, 0.8};
   const std::vector<std::vector<double>> spectra{{2.0, 1.0, 0.5}, {3.0, 1.0, 0.25, -0.5}};
@@ -96,8 +96,8 @@ TEST_CASE("lobes: Lambert's is irradiance over pi, and looser bounds take fewer 
     BakeOptions options{.background = {}, .specular = {}, .bands = 0, .brdf = {}};
     options.irradiance = IrradianceOptions{.size = 16, .rms_error = bound};
     const BakeResult made = bake(cube.view(), options);
-    // From the default bound on they have the same bands; below it a chain begins with those of its own lobe and takes
-    // more where its estimate wants them.
+    // From the default bound on both have the same bands; below it a chain begins with the bands of its lobe and adds
+    // more where its estimate requires them.
     const std::span<const float> irradiance = made.irradiance->pixels();
     double off = 0.0;
     double whole = 0.0;
@@ -122,7 +122,7 @@ TEST_CASE("lobes: a chain has as many mips, and as rough ones, as its family has
   const PrefilterOptions sheen{.size = 64, .lobe = LobeFamily::charlie};
   const int mips = default_mip_count(RoughnessSchedule::linear, 64);
   CHECK(default_mip_count(sheen) == mips);
-  // As glTF's sample renderer looks sheen up, by the mips of its GGX chain; at 0 the lobe is the horizon.
+  // glTF's sample renderer looks sheen up by the mips of its GGX chain; at roughness 0 the lobe is the horizon.
   std::vector<double> even = mip_roughness(RoughnessSchedule::linear, mips, 64);
   CHECK(even.back() == 1.0);
   even.front() = kMinCharlieRoughness;
@@ -215,7 +215,7 @@ TEST_CASE("lobes: what does not go together is refused, and the message says wha
 
 namespace {
 
-/// With nothing else but the specular cubemap.
+/// Returns options of a bake of only the specular cubemap.
 BakeOptions map_of(const OctahedralOptions& map, int size = 16) {
   return {.background = {},
           .specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.4, 0.7, 1.0}},
@@ -245,7 +245,7 @@ TEST_CASE("octahedral: bakes of any kind have the bits of the direct call", "[ba
     const Plan planned = plan(view, {}, options);
     CHECK(same_bits(bake(view, planned), result));
     CHECK(planned.pass("octahedral").bytes > 0);
-    // It stays where the cubemap goes to targets.
+    // The map stays in the result when the cubemap goes to targets.
     TargetMemory block({.format = TexelFormat::rgba32f, .size = 16, .levels = 4});
     const BakeResult rest = bake_to({.specular = block.targets}, view, options);
     CHECK(rest.specular->cubemap.levels() == 0);

@@ -1,4 +1,4 @@
-// Plans: what is not needed is left out, and what is made is what the options of the plan say.
+// Plans: unneeded parts are left out, and a bake makes what the options of the plan say.
 #include "bake/baked.h"
 #include "jobs/tiles.h"
 #include "reflections/prefilter_plan.h"
@@ -18,13 +18,13 @@
 
 namespace welkin::test {
 
-// Promise: a plan's options are all that its bake depends on.
+// Promise: a bake depends on nothing but its plan's options.
 
 namespace {
 
 BakeOptions whole_bake() {
   BakeOptions options = small_bake();
-  // a copy, a narrow one, spectral ones
+  // one mip that is copied, one with a narrow lobe, and spectral ones
   options.specular = PrefilterOptions{.size = 32, .roughness = {0.0, 0.04, 0.25, 0.4, 0.7, 1.0}};
   return options;
 }
@@ -91,7 +91,7 @@ TEST_CASE("Mips that are left are within the bounds of the whole chain", "[plan]
   }
 }
 
-// Promise: a plan says of every pass whether it runs and why, and what a scene does not use falls away.
+// Promise: a plan states for every pass whether it runs and why, and omits what a scene does not use.
 
 namespace {
 
@@ -123,7 +123,7 @@ TEST_CASE("plan: rows that are brought to fewer count in the memory", "[bake][pl
       transforms::ReducedRows::most_bytes(8192, 4096, bands, jobs::worker_count(jobs::Placement::arena));
   CHECK(rows > std::size_t{1} << 19U);
   const auto working = [&](const SourceShape& shape) { return plan(shape, SceneNeeds(), options).working_bytes; };
-  const SourceShape odd{false, 8191, 4096, PixelFormat::rgb32f};  // whose rows are taken as they are
+  const SourceShape odd{false, 8191, 4096, PixelFormat::rgb32f};  // whose rows are not reduced
   CHECK(working(wide) - working(odd) >= rows);
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("A plan reads as a table", "[plan]") {
       plan_text(planned, {{"project", PassAction::run, "", 123.0}, {"sanitize", PassAction::run, "a copy", 1.0}});
   CHECK(after.find("measured") != std::string::npos);
   CHECK(after.find("123") != std::string::npos);
-  CHECK(after.find("run: a copy") != std::string::npos);  // another action than was planned
+  CHECK(after.find("run: a copy") != std::string::npos);  // differs from the planned action
 }
 
 TEST_CASE("Needs that make no sense are refused", "[plan]") {
