@@ -16,8 +16,8 @@ namespace welkin::test {
 namespace {
 
 /// Memory for the chains of many probes, stored in half precision.
-struct ChainBuffers {
-  ChainBuffers(const PrefilterOptions& options, std::size_t count)
+struct Chains {
+  Chains(const PrefilterOptions& options, std::size_t count)
       : layout{.format = TexelFormat::rgba16f, .size = options.size, .levels = *options.mips},
         bytes(upload_bytes(layout)),
         memory(bytes * count, std::byte{0xEE}) {
@@ -59,7 +59,7 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
   const PrefilterOptions options = small_chain();
   for (const std::size_t count : {0, 1, 2, 50}) {
     const Probes probes(count);
-    ChainBuffers expected(options, count);
+    Chains expected(options, count);
     std::vector<dvec3> light;
     std::uint64_t clamped = 0;
     ProjectionDiagnostics sum;
@@ -73,7 +73,7 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
     }
     for (const int threads : {1, 2, 4}) {
       CAPTURE(count, threads);
-      ChainBuffers found(options, count);
+      Chains found(options, count);
       std::vector<dvec3> coefficients(16 * count);
       BakeResult result;
       run_with_threads(threads, [&] {
@@ -92,8 +92,8 @@ TEST_CASE("Many probes are baked with the bits of single calls", "[bake][many][s
 TEST_CASE("Many probes need no harmonics", "[bake][many]") {
   const Probes probes(9);
   const PrefilterOptions options = small_chain();
-  ChainBuffers with(options, 9);
-  ChainBuffers without(options, 9);
+  Chains with(options, 9);
+  Chains without(options, 9);
   std::vector<dvec3> coefficients(9 * 9);
   bake_many(probes.views, with.targets, coefficients, options);
   const BakeResult result = bake_many(probes.views, without.targets, {}, options, 0);
@@ -104,11 +104,9 @@ TEST_CASE("Many probes need no harmonics", "[bake][many]") {
 TEST_CASE("Errors of many bakes name the first probe that they are about", "[bake][many]") {
   Probes probes(30);
   PrefilterOptions options = small_chain();
-  ChainBuffers buffers(options, 30);
+  Chains chains(options, 30);
   std::vector<dvec3> coefficients(9 * 30);
-  const auto error = [&] {
-    return thrown_by([&] { bake_many(probes.views, buffers.targets, coefficients, options); });
-  };
+  const auto error = [&] { return thrown_by([&] { bake_many(probes.views, chains.targets, coefficients, options); }); };
   options.pixels.nan = NonFinitePolicy::reject;
   for (const int threads : {1, 2, 4}) {
     run_with_threads(threads, [&] {
@@ -117,33 +115,33 @@ TEST_CASE("Errors of many bakes name the first probe that they are about", "[bak
       CHECK(rejected.message.starts_with("probe 1: a channel of the texel at face +X"));
     });
   }
-  const std::vector<std::byte> before = buffers.memory;
-  buffers.targets[4 * 17 + 2].faces[3] = nullptr;
+  const std::vector<std::byte> before = chains.memory;
+  chains.targets[4 * 17 + 2].faces[3] = nullptr;
   CHECK(error().code == ErrorCode::invalid_argument);
   CHECK(error().message.starts_with("probe 17: "));
   probes.views[5].size = 0;
   CHECK(error().message.starts_with("probe 5: "));
-  buffers.targets.pop_back();
+  chains.targets.pop_back();
   CHECK(error().says("119 targets"));
   coefficients.pop_back();
-  CHECK(thrown_by([&] { bake_many(probes.views, buffers.targets, coefficients, options, 17); }).says("bands is 17"));
-  CHECK(same_bytes<std::byte>(before, buffers.memory));
+  CHECK(thrown_by([&] { bake_many(probes.views, chains.targets, coefficients, options, 17); }).says("bands is 17"));
+  CHECK(same_bytes<std::byte>(before, chains.memory));
 }
 
 TEST_CASE("Many bakes are stopped, and tell how far they are", "[bake][many][slow]") {
   const Probes probes(20);
   const PrefilterOptions options = small_chain();
-  ChainBuffers buffers(options, 20);
+  Chains chains(options, 20);
   std::vector<dvec3> coefficients(9 * 20);
   double last = 0.0;
-  bake_many(probes.views, buffers.targets, coefficients, options, 3, {.progress = [&](double done) {
+  bake_many(probes.views, chains.targets, coefficients, options, 3, {.progress = [&](double done) {
               CHECK(done >= last);
               last = done;
             }});
   CHECK(last == 1.0);
   stop_source stop;
   const ThrownError error = thrown_by([&] {
-    bake_many(probes.views, buffers.targets, coefficients, options, 3,
+    bake_many(probes.views, chains.targets, coefficients, options, 3,
               {.stop = stop.get_token(), .progress = [&](double done) {
                  if (done > 0.3) stop.request_stop();
                }});

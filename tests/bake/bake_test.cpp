@@ -172,8 +172,7 @@ TEST_CASE("An earlier result's memory is used again", "[bake]") {
 }
 
 TEST_CASE("Policies for pixels act alike in all passes", "[bake]") {
-  // The reference is the image sanitized by hand: NaN and negatives become 0, infinities and values above 500 become
-  // 500.
+  // The reference is sanitized by hand: NaN and negatives become 0, infinities and values above 500 become 500.
   for (const bool cube : {false, true}) {
     TestLatLong image = make_lat_long(Content::special_values, 48, 24, 8);
     TestCubemap cubemap = make_cubemap(Content::special_values, 20, 3, 8);

@@ -1,4 +1,4 @@
-// Captured cubemaps and depths to light, validity and distances.
+// Baking captured cubemaps and depths to light, validity and distances.
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 
@@ -25,9 +25,9 @@ bool same_bits(const BakedProbes& a, const BakedProbes& b) {
          a.invalid == b.invalid && a.unfilled == b.unfilled;
 }
 
-constexpr int kDepthSize = 48;  ///< of depths whose moments are summed over all texels
+constexpr int kDepthSize = 48;  ///< size of depths whose moments are summed over all texels
 
-/// Mean and mean square by the definition: every texel of the depths, not blocks of them.
+/// Returns the mean and mean square by definition, over every texel of the depths instead of blocks of them.
 glm::dvec2 moments_of(const std::vector<float>& depths, const dvec3& axis, int power, double limit) {
   static const std::vector<dvec3> directions = texel_centres(kDepthSize);
   glm::dvec2 sums(0.0);
@@ -45,7 +45,7 @@ glm::dvec2 moments_of(const std::vector<float>& depths, const dvec3& axis, int p
   return sums / whole;
 }
 
-/// A map's texel by column and row counted inside the border.
+/// Returns a map's texel; columns and rows are counted inside the border.
 const float* texel_of(const BakedProbes& probes, std::size_t probe, int column, int row) {
   const auto edge = static_cast<std::size_t>(probes.distance_edge());
   return probes.distances.data() +
@@ -141,7 +141,7 @@ TEST_CASE("probes: in a box, moments are those of its walls' distances, backs an
           const glm::dvec2 wanted =
               moments_of(captures.distances[probe], octahedral_decode((column + 0.5) / 7, (row + 0.5) / 7), power, 1.7);
           const float* found = texel_of(probes, probe, column, row);
-          // Blocks of 3 x 3 texels stand for their middles: an eighth of a lobe's width for power 50.
+          // Blocks of 3 x 3 texels count at their centres: an eighth of a lobe's width for power 50.
           CHECK(found[0] == Approx(wanted.x).epsilon(0.004));
           CHECK(found[1] == Approx(wanted.y).epsilon(0.008));
           CHECK(found[1] >= found[0] * found[0] * (1 - 1e-6F));
@@ -184,7 +184,7 @@ TEST_CASE("probes: in a plain room, moments are within 0.4 and 1.5 % of sums ove
 }
 
 TEST_CASE("probes: what differs within a block is in the mean square", "[probes]") {
-  // 1 and 3 in turn, texel by texel: the mean is 2, the mean square 5. Blocks are of 4 x 4 texels.
+  // Texels alternate between 1 and 3: the mean is 2, the mean square 5. Blocks have 4 x 4 texels.
   int texel = 0;
   const Captures captures(1, 1, grey, 64, [&](std::size_t, const dvec3&) {
     const int column = texel % 64;
@@ -207,7 +207,7 @@ TEST_CASE("probes: the border of a map has what lies beyond its edges on the sph
     const BakedProbes probes = captures.bake(grid, {.distance_size = map});
     for (int k = 0; k < map; ++k) {
       CAPTURE(map, k);
-      // Place (-a, b) of the square is (a, 1 - b).
+      // Point (-a, b) of the square is (a, 1 - b).
       CHECK(texel_of(probes, 0, -1, k)[0] == texel_of(probes, 0, 0, map - 1 - k)[0]);
       CHECK(texel_of(probes, 0, map, k)[1] == texel_of(probes, 0, map - 1, map - 1 - k)[1]);
       CHECK(texel_of(probes, 0, k, -1)[0] == texel_of(probes, 0, map - 1 - k, 0)[0]);
@@ -232,14 +232,14 @@ TEST_CASE("probes: an invalid probe becomes the mean of its neighbours by 1 / di
   CHECK(probes.passes == std::vector<std::uint8_t>{0, 1, 1, 1, 1, 0});
   CHECK(probes.invalid == 4);
   CHECK(probes.unfilled == 0);
-  // Of 1: probe 0 at distance 1, probe 5 at sqrt(5).
+  // Probe 1 is filled from probe 0 at distance 1 and probe 5 at sqrt(5).
   CHECK(probes.coefficients[1].x == Approx((6.0 + 1.0 / 5) / (1 + 1.0 / 5)));
   CHECK(probes.coefficients[1].z == Approx((6.0 + 3.0 / 5) / (1 + 1.0 / 5)));
-  // Of 2: probe 5 alone, 2 away; what was filled in the same pass does not count.
+  // Probe 2 is filled from probe 5 alone, at distance 2; probes filled in the same pass do not count.
   CHECK(probes.coefficients[2] == dvec3(1, 2, 3));
   CHECK(probes.coefficients[3] == dvec3(6));
 
-  // In a row, one pass reaches one further.
+  // In a row, each pass reaches one probe further.
   BakedProbes row;
   row.grid.counts = {6, 1, 1};
   row.bands = 1;
@@ -256,7 +256,7 @@ TEST_CASE("probes: an invalid probe becomes the mean of its neighbours by 1 / di
   CHECK(row.coefficients[4] == dvec3(0));
   CHECK(row.unfilled == 2);
 
-  // Where nobody is valid there is no light.
+  // Without a valid probe there is no light.
   row.passes.assign(6, 255);
   dilate(row, 3);
   CHECK(row.unfilled == 6);

@@ -1,4 +1,4 @@
-// Probes that were captured: moved out of walls, and lit by another environment.
+// Captured probes: moving them out of walls, and relighting them by another environment.
 #include <glm/geometric.hpp>
 
 #include "probes/probe_captures.h"
@@ -13,12 +13,12 @@
 namespace welkin::test {
 namespace {
 
-/// A closed room from `low` to `high` with walls a metre thick, seen from inside it or from within a wall: the
-/// distance, negative where the back of a surface is met.
+/// Returns the distance to the surfaces of a closed room from `low` to `high` with walls one metre thick, seen from
+/// inside it or from within a wall. It is negative where the back of a surface is hit.
 float room_depth(const dvec3& from, const dvec3& direction, const dvec3& low, const dvec3& high) {
   const bool inside = glm::all(glm::greaterThan(from, low)) && glm::all(glm::lessThan(from, high));
   if (inside) return static_cast<float>(distance_to_walls(from, direction, low, high));
-  // Within a wall: to the room's surface, from behind, or to the outer surface, likewise.
+  // Within a wall the ray hits the room's surface or the outer surface, both from behind.
   double enter = 0.0;
   double leave = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
@@ -34,7 +34,7 @@ float room_depth(const dvec3& from, const dvec3& direction, const dvec3& low, co
 const dvec3 kLow{0.0, 0.0, 0.0};
 const dvec3 kHigh{4.0, 3.0, 5.0};
 
-/// What probes at their offsets see of the room, whose walls shine.
+/// Captures the room, whose walls shine, from the probes at their offsets.
 Captures seen_from(const ProbeGrid& grid, const std::vector<dvec3>& offsets) {
   return {grid.size(), 4, [](std::size_t, const dvec3&) { return dvec3(1.0); }, 32,
           [&](std::size_t k, const dvec3& direction) {
@@ -43,7 +43,7 @@ Captures seen_from(const ProbeGrid& grid, const std::vector<dvec3>& offsets) {
           }};
 }
 
-/// To the nearest wall; negative within one.
+/// Returns the distance to the nearest wall; negative within a wall.
 double clear_of_walls(const dvec3& at) {
   return std::min({at.x - kLow.x, at.y - kLow.y, at.z - kLow.z, kHigh.x - at.x, kHigh.y - at.y, kHigh.z - at.z});
 }
@@ -62,14 +62,14 @@ TEST_CASE("relocation: a probe within a wall comes out by the shortest way", "[p
   CHECK(clear_of_walls(grid.position(0) + offsets[0]) > 0.99 * clearance);
   CHECK(offsets[1] == dvec3(0.0));
 
-  // Baked where it was moved to it is valid, and where it was it is not.
+  // The probe is valid where it was moved to, and invalid where it was.
   CHECK(seen.bake(grid).passes == std::vector<std::uint8_t>{1, 0});
   const Captures moved = seen_from(grid, offsets);
   BakedProbes probes = moved.bake(grid);
   CHECK(probes.passes == std::vector<std::uint8_t>{0, 0});
   CHECK(relocate_probes(grid, moved.depths, {}, offsets)[1] == dvec3(0.0));
 
-  // The lookup measures from where the probe was captured: it is in front of the wall then, not behind.
+  // The lookup measures from the captured position, which is in front of the wall, not behind it.
   probes.coefficients[0] = dvec3(10.0);
   for (std::size_t k = 1; k < 9; ++k) probes.coefficients[k] = dvec3(0.0);
   const auto light_at = [&](const BakedProbes& of) {
@@ -82,7 +82,7 @@ TEST_CASE("relocation: a probe within a wall comes out by the shortest way", "[p
   const double without = light_at(unmoved);
   unmoved.offsets.clear();
   CHECK(light_at(unmoved) == without);
-  // No number leads out of the arrays.
+  // No offset causes a read outside the arrays.
   probes.offsets[0] = dvec3(std::numeric_limits<double>::quiet_NaN(), 1e300, 0.0);
   CHECK(std::isfinite(light_at(probes)));
 }
@@ -103,12 +103,12 @@ TEST_CASE("relocation: probes keep clear of walls, and within their share of a c
     CHECK(glm::length(offsets[k]) < 3.0 * std::max(0.0, clearance - clear_of_walls(grid.position(k))) + 1e-9);
   }
 
-  // Who has no way out that is short enough stays.
+  // A probe whose shortest way out is too long stays.
   const ProbeGrid deep{.counts = {1, 1, 1}, .origin = {-0.49, 1.5, 2.5}, .spacing = {1, 1, 1}};
   const Captures seen = seen_from(deep, {});
   CHECK(relocate_probes(deep, seen.depths)[0] == dvec3(0.0));
   CHECK(relocate_probes(deep, seen.depths, {.clearance = 0.0, .farthest = 0.5})[0].x == Approx(0.49).epsilon(0.01));
-  // Between two walls closer than twice the clearance: the middle.
+  // Between two walls closer than twice the clearance, a probe moves to the middle.
   const auto narrow = [](std::size_t, const dvec3& d) {
     return static_cast<float>(distance_to_walls({0.05, 0, 0}, d, {0, -9, -9}, {0.2, 9, 9}));
   };
@@ -139,11 +139,11 @@ TEST_CASE("relocation: what cannot be is refused", "[probes]") {
   CHECK(relocate_probes(grid, views) == std::vector<dvec3>(2, dvec3(0.0)));
 }
 
-// Another environment for probes that were captured.
+// Another environment for captured probes.
 
 namespace {
 
-/// An environment of so many bands that is nowhere dark.
+/// Returns an environment of `bands` bands that is nowhere dark.
 SphericalHarmonics made_up(int bands, double seed) {
   SphericalHarmonics light(bands);
   for (std::size_t k = 0; k < light.coefficients().size(); ++k) {
@@ -156,7 +156,7 @@ SphericalHarmonics made_up(int bands, double seed) {
 
 const ProbeGrid kGrid{.counts = {3, 2, 2}, .spacing = {1, 1, 1}};
 
-/// What a probe sees through a window in front of it; walls are lit from elsewhere.
+/// Returns whether a probe sees the sky through a window in front of it; walls are lit by other light.
 bool sees_sky(std::size_t probe, const dvec3& d) {
   const double rotation = 0.5 * static_cast<double>(probe);
   return d.y > 0.1 && std::sin(rotation) * d.x + std::cos(rotation) * d.z > -0.6;
@@ -197,9 +197,9 @@ TEST_CASE("relight: gives what capturing again gives, of any new, turned or brig
     BakedProbes relit = baked;
     relight(relit, from, to);
     CHECK(difference(again, baked) > 0.02);
-    // Texels of 1/64 stand for their middles in what is captured.
+    // A captured texel, of 1/64, has the light at its centre.
     CHECK(difference(again, relit) < 3e-4);
-    // And the way back.
+    // Relighting back restores the light.
     relight(relit, to, from);
     CHECK(difference(baked, relit) < 1e-14);
   }

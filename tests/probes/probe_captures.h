@@ -11,11 +11,11 @@ namespace welkin::test {
 
 inline constexpr float kNothing = std::numeric_limits<float>::infinity();
 
-/// What a probe sees: by the direction of each texel's centre.
+/// The radiance and the distance that a probe sees in the direction of a texel's centre.
 using Light = std::function<dvec3(std::size_t probe, const dvec3& direction)>;
 using Depth = std::function<float(std::size_t probe, const dvec3& direction)>;
 
-/// Cubemaps and depths that stay where they are.
+/// Cubemaps and depths, and the views of them.
 struct Captures {
   std::vector<Cubemap> images;
   std::vector<std::vector<float>> distances;
@@ -56,7 +56,7 @@ inline SphericalHarmonics radiance_of(const BakedProbes& probes, std::size_t pro
   return radiance;
 }
 
-/// From a place inside a box with corners `low` and `high` to its walls.
+/// Returns the distance from a position inside a box with corners `low` and `high` to its walls.
 inline double distance_to_walls(const dvec3& position, const dvec3& direction, const dvec3& low, const dvec3& high) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {

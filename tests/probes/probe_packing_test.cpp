@@ -1,4 +1,4 @@
-// Probes as textures, read back as the engines read them.
+// Probes packed as textures, and read back as the engines read them.
 #include <Imath/half.h>
 
 #include <glm/geometric.hpp>
@@ -15,7 +15,7 @@ namespace welkin::test {
 
 namespace {
 
-/// Coefficients that halves hold exactly, all different; band 0 is large.
+/// Returns probes whose coefficients halves hold exactly, all different; band 0 is large.
 BakedProbes made_up(std::array<int, 3> counts, int bands) {
   BakedProbes probes;
   probes.grid.counts = counts;
@@ -104,7 +104,7 @@ TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its br
   for (const std::array<int, 3> counts : {std::array{1, 1, 1}, std::array{2, 3, 7}, std::array{7, 5, 8}}) {
     BakedProbes probes = made_up(counts, 3);
     for (std::size_t k = 0; k < probes.coefficients.size(); ++k) {
-      if (k % 9 != 0) probes.coefficients[k] /= 32.0;  // near what light has beside its mean
+      if (k % 9 != 0) probes.coefficients[k] /= 32.0;  // near the realistic share of higher bands
     }
     for (const ProbeLayout layout : {ProbeLayout::unity_l2, ProbeLayout::unity_l1}) {
       const bool second = layout == ProbeLayout::unity_l2;
@@ -134,7 +134,7 @@ TEST_CASE("pack: Unity's shader reads the irradiance of each probe out of its br
             const dvec3 wanted = evaluate(lambertian, n);
             for (int c = 0; c < 3; ++c) {
               const auto channel = static_cast<std::size_t>(c);
-              // DecodeSH: first bands are taken beside the mean, around 1/2, times 4; second ones times 3.5777088.
+              // DecodeSH: band 1 is stored relative to the mean, around 1/2, times 4; band 2 times 3.5777088.
               const double mean = read(0, c);
               const auto axis_value = [&](int axis) {
                 return c == 0 ? read(static_cast<std::size_t>(axis), 3) : read(channel, axis);
@@ -193,7 +193,7 @@ TEST_CASE("pack: what halves cannot hold is counted; black stays black", "[probe
 
 namespace {
 
-/// Light of three bands that is nowhere negative, distances and offsets, all different from probe to probe.
+/// Returns probes with three bands of nowhere negative light, distances and offsets; all differ from probe to probe.
 BakedProbes sample_grid(std::array<int, 3> counts, double directional) {
   BakedProbes probes;
   probes.grid = {.counts = counts, .origin = {-1.0, 2.0, 0.5}, .spacing = {0.5, 2.0, 1.0}};
@@ -279,20 +279,20 @@ TEST_CASE("pack: Bevy's shader finds the light of each probe in its ambient cube
   CHECK(packed.textures[0].size == std::array{3, 4, 12});
   CHECK(!packed.textures[0].is_array);
   CHECK(packed.values_clamped == 0);
-  for (std::size_t k = 0; k < probes.grid.size(); ++k) {  // light that is the same from everywhere
+  for (std::size_t k = 0; k < probes.grid.size(); ++k) {  // light that is the same from every direction
     for (const dvec3& normal : normals_around(20)) {
       const dvec3 found = bevy_light(packed.textures[0], probes.grid, probes.grid.position(k), normal);
       CHECK(glm::length(found - irradiance_at(probes, k, normal) / std::numbers::pi) < 2e-3);
     }
   }
 
-  // Light along one axis at a time shows which side is where, and the sides are those of least squares.
+  // Light along one axis at a time shows the position of each side, and the sides are least-squares fits.
   for (int axis = 0; axis < 3; ++axis) {
     BakedProbes lit = sample_grid({2, 3, 2}, 0.0);
     lit.coefficients[static_cast<std::size_t>(std::array{3, 1, 2}[static_cast<std::size_t>(axis)])] = dvec3(1.0);
     const ProbeTexture texture = pack_probes(lit, ProbeLayout::bevy).textures[0];
     double squares = 0.0;
-    double plain = 0.0;  // of sides that are the irradiance along the axes
+    double plain = 0.0;  // error of sides that are the irradiance along the axes
     for (const dvec3& normal : normals_around(2000)) {
       const dvec3 truth = irradiance_at(lit, 0, normal) / std::numbers::pi;
       const dvec3 found = bevy_light(texture, lit.grid, lit.grid.origin, normal);
@@ -311,7 +311,7 @@ TEST_CASE("pack: Bevy's shader finds the light of each probe in its ambient cube
     CHECK(squares / 2000.0 == Approx(slope * slope / 48.0).epsilon(0.02));
     CHECK(plain / 2000.0 == Approx(slope * slope / 30.0).epsilon(0.02));
   }
-  // Between probes light is mixed, and nothing of a neighbouring side bleeds in at the ends.
+  // Light is interpolated between probes, and no neighbouring side bleeds in at the ends.
   const dvec3 outside = probes.grid.origin - 5.0;
   CHECK(glm::length(bevy_light(packed.textures[0], probes.grid, outside, {0, -1, 0}) -
                     irradiance_at(probes, 0, {0, -1, 0}) / std::numbers::pi) < 2e-3);
@@ -348,8 +348,8 @@ TEST_CASE("pack: RTXGI's shaders find irradiance, distances and offsets in its a
       CHECK(moments.x >= 1.0);
       CHECK(moments.y - moments.x * moments.x == Approx(0.1).margin(0.06));
     }
-    const int place = static_cast<int>(k);
-    const auto number = [&](int c) { return value(packed.textures[2], place % 3, place / 6, place / 3 % 2, c); };
+    const int index = static_cast<int>(k);
+    const auto number = [&](int c) { return value(packed.textures[2], index % 3, index / 6, index / 3 % 2, c); };
     CHECK(glm::length(dvec3(number(0), number(1), number(2)) * probes.grid.spacing - probes.offsets[k]) < 1e-3);
     CHECK(number(3) == (probes.passes[k] == 255 ? 1.0 : 0.0));
   }

@@ -1,4 +1,4 @@
-// A grid looked up: against the same sums written down another way, in double; and the code for shaders.
+// Lookups in a grid, compared with another implementation of the same sums in double; and the code for shaders.
 #include <glm/common.hpp>
 
 #include "probes/probe_captures.h"
@@ -15,7 +15,7 @@ namespace {
 
 const ProbeGrid kGrid{.counts = {4, 3, 2}, .origin = {-1, 0.5, 2}, .spacing = {1, 0.75, 1.25}};
 
-/// Two rooms beside each other, lit differently; some probes stand in the wall.
+/// Bakes two adjacent rooms that are lit differently; some probes stand in the wall.
 BakedProbes two_rooms(int bands) {
   const auto in_wall = [](std::size_t probe) { return probe % 5 == 2; };
   const Captures captures(
@@ -37,15 +37,15 @@ dvec3 light_of(const BakedProbes& probes, std::size_t probe, const dvec3& normal
   return evaluate(irradiance_from_radiance(radiance), normal);
 }
 
-/// Bilinear between the four nearest texels' centres, border included.
+/// Interpolates bilinearly between the centres of the four nearest texels, border included.
 double moment(const BakedProbes& probes, std::size_t probe, const dvec3& direction, int which) {
-  const std::array<double, 2> place = octahedral_encode(direction);
+  const std::array<double, 2> uv = octahedral_encode(direction);
   const int edge = probes.distance_edge();
   double sum = 0.0;
   for (int row = 0; row < edge; ++row) {
     for (int column = 0; column < edge; ++column) {
-      const double across = 1.0 - std::abs(place[0] * probes.distance_size - (column - 0.5));
-      const double along = 1.0 - std::abs(place[1] * probes.distance_size - (row - 0.5));
+      const double across = 1.0 - std::abs(uv[0] * probes.distance_size - (column - 0.5));
+      const double along = 1.0 - std::abs(uv[1] * probes.distance_size - (row - 0.5));
       if (across <= 0.0 || along <= 0.0) continue;
       const auto texel =
           (probe * static_cast<std::size_t>(edge) + static_cast<std::size_t>(row)) * static_cast<std::size_t>(edge) +
@@ -56,16 +56,16 @@ double moment(const BakedProbes& probes, std::size_t probe, const dvec3& directi
   return sum;
 }
 
-/// Each probe of the grid by the distance on it: those of no corner have weight 0.
+/// Sums over all probes of the grid; probes that are not corners of the cell have weight 0.
 dvec3 twin(const BakedProbes& probes, const dvec3& surface, const dvec3& normal, const ProbeSampling& sampling) {
   const ProbeGrid& grid = probes.grid;
-  const dvec3 place =
+  const dvec3 biased =
       surface + normal * sampling.normal_bias * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   dvec3 sum(0.0);
   double weights = 0.0;
   for (std::size_t probe = 0; probe < grid.size(); ++probe) {
     const dvec3 at = grid.position(probe);
-    const dvec3 clamped = glm::clamp(place, grid.origin, grid.position(grid.size() - 1));
+    const dvec3 clamped = glm::clamp(biased, grid.origin, grid.position(grid.size() - 1));
     double weight = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
       weight *= std::max(0.0, 1.0 - std::abs(clamped[axis] - at[axis]) / grid.spacing[axis]);
@@ -74,7 +74,7 @@ dvec3 twin(const BakedProbes& probes, const dvec3& surface, const dvec3& normal,
     double factor = 1.0;
     if (sampling.facing) factor *= std::pow(0.5 + 0.5 * glm::dot(glm::normalize(at - surface), normal), 2) + 0.2;
     if (sampling.visibility) {
-      const dvec3 way = place - at;
+      const dvec3 way = biased - at;
       const double mean = moment(probes, probe, way, 0);
       const double variance = std::abs(moment(probes, probe, way, 1) - mean * mean);
       const double beyond = std::max(0.0, glm::length(way) - mean);
@@ -132,19 +132,19 @@ TEST_CASE("probe_irradiance: at a probe it is that probe's, and beyond the grid 
   }
   CHECK(probe_irradiance(probes, {-50, 0.9, 2.4}, {0, 1, 0}, plain) ==
         probe_irradiance(probes, {-1, 0.9, 2.4}, {0, 1, 0}, plain));
-  // Where no probe has light there is none.
+  // Without a probe that has light the result is 0.
   probes.passes.assign(probes.passes.size(), 255);
   CHECK(probe_irradiance(probes, {0, 1, 2.5}, {0, 1, 0}) == dvec3(0.0));
 }
 
 TEST_CASE("probe_irradiance: what is not finite is refused, as far away as floats go it is not", "[probes]") {
   const BakedProbes probes = two_rooms(3);
-  const dvec3 place = kGrid.position(0);
+  const dvec3 position = kGrid.position(0);
   const double nan = std::nan("");
   CHECK_THROWS_AS(probe_irradiance(probes, {nan, 0, 0}, {0, 1, 0}), Error);
   CHECK_THROWS_AS(probe_irradiance(probes, {1e39, 0, 0}, {0, 1, 0}), Error);
-  CHECK_THROWS_AS(probe_irradiance(probes, place, {0, nan, 0}), Error);
-  CHECK_THROWS_AS(probe_irradiance(probes, place, {0, 1, 0}, {.normal_bias = nan}), Error);
+  CHECK_THROWS_AS(probe_irradiance(probes, position, {0, nan, 0}), Error);
+  CHECK_THROWS_AS(probe_irradiance(probes, position, {0, 1, 0}, {.normal_bias = nan}), Error);
   for (const double far : {-1e15, -1e9, 1e9, 1e15}) {
     const dvec3 light = probe_irradiance(probes, {far, far, far}, {0, 1, 0});
     CAPTURE(far, light.x, light.y, light.z);
@@ -152,7 +152,7 @@ TEST_CASE("probe_irradiance: what is not finite is refused, as far away as float
   }
   BakedProbes elsewhere = probes;
   elsewhere.grid.origin.x = 1e39;
-  CHECK_THROWS_AS(probe_irradiance(elsewhere, place, {0, 1, 0}), Error);
+  CHECK_THROWS_AS(probe_irradiance(elsewhere, position, {0, 1, 0}), Error);
 }
 
 TEST_CASE("probe_irradiance: light beyond what floats sum is right, and coefficients that are no numbers are named",
@@ -164,17 +164,17 @@ TEST_CASE("probe_irradiance: light beyond what floats sum is right, and coeffici
   probes.coefficients[0] = probes.coefficients[4] = dvec3(3.0, 2.0, 1.0);
   probes.validity.assign(2, 1.0F);
   probes.passes.assign(2, 0);
-  const dvec3 place(0.3, 0.1, 0.0);
-  const dvec3 wanted = probe_irradiance(probes, place, {0, 1, 0});
+  const dvec3 position(0.3, 0.1, 0.0);
+  const dvec3 wanted = probe_irradiance(probes, position, {0, 1, 0});
   for (const double bright : {1e37, 3e38, 1e100}) {
     BakedProbes brighter = probes;
     for (dvec3& coefficient : brighter.coefficients) coefficient *= bright;
-    const dvec3 light = probe_irradiance(brighter, place, {0, 1, 0});
+    const dvec3 light = probe_irradiance(brighter, position, {0, 1, 0});
     CAPTURE(bright);
     for (int c = 0; c < 3; ++c) CHECK(light[c] / bright == Approx(wanted[c]).epsilon(1e-5));
   }
   probes.coefficients[6].z = std::numeric_limits<double>::quiet_NaN();
-  const ThrownError error = thrown_by([&] { static_cast<void>(probe_irradiance(probes, place, {0, 1, 0})); });
+  const ThrownError error = thrown_by([&] { static_cast<void>(probe_irradiance(probes, position, {0, 1, 0})); });
   CHECK(error.code == ErrorCode::invalid_argument);
   CHECK(error.says("coefficient 2 of probe 1 is not finite"));
 }
@@ -201,16 +201,16 @@ TEST_CASE("probe_sampling_code: one source in four languages", "[probes]") {
   }
 }
 
-// A room with walls that light must not pass: what a grid of probes makes of it, beside paths.
+// A room with walls that light must not pass: the light of a grid of probes, compared with path tracing.
 
 namespace {
 
 struct Surface {
-  dvec3 place;
+  dvec3 position;
   dvec3 normal;
 };
 
-/// On the floor, and on both sides of the wall between the halves.
+/// Returns points on the floor and on both sides of the wall between the halves.
 std::vector<Surface> surfaces() {
   std::vector<Surface> all;
   for (double x = -1.9; x < 2.0; x += 0.2) {
@@ -225,20 +225,20 @@ std::vector<Surface> surfaces() {
   return all;
 }
 
-/// Root mean square of the difference, over that of the reference.
-double error_of(const BakedProbes& probes, const std::vector<Surface>& places, const std::vector<dvec3>& wanted,
+/// Returns the root mean square of the difference relative to that of the reference.
+double error_of(const BakedProbes& probes, const std::vector<Surface>& points, const std::vector<dvec3>& wanted,
                 const ProbeSampling& sampling) {
   double square = 0.0;
   double whole = 0.0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const dvec3 found = probe_irradiance(probes, places[k].place, places[k].normal, sampling);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const dvec3 found = probe_irradiance(probes, points[k].position, points[k].normal, sampling);
     square += glm::dot(found - wanted[k], found - wanted[k]);
     whole += glm::dot(wanted[k], wanted[k]);
   }
   return std::sqrt(square / whole);
 }
 
-/// A grid whose probes are captured where they were moved to, by calls of `relocate_probes` one after the other.
+/// Bakes a grid whose probes are captured where successive calls of `relocate_probes` have moved them.
 BakedProbes baked_out_of_walls(const Room& room, const ProbeGrid& grid) {
   std::vector<dvec3> offsets(grid.size());
   for (int call = 0;; ++call) {
@@ -269,7 +269,7 @@ TEST_CASE("probes in a room: each weight brings the light nearer to that of path
   const BakedProbes raw = captures.bake(grid, {.dilation_passes = 0});
   const BakedProbes probes = captures.bake(grid);
 
-  // Those in the six walls, the block's and none else: the thin wall stands between probes.
+  // Only probes in the six walls and in the block are invalid: the thin wall stands between probes.
   std::size_t in_stone = 0;
   for (std::size_t k = 0; k < grid.size(); ++k) {
     const dvec3 p = grid.position(k);
@@ -282,22 +282,22 @@ TEST_CASE("probes in a room: each weight brings the light nearer to that of path
   CHECK(probes.invalid == in_stone);
   CHECK(probes.unfilled == 0);
 
-  const std::vector<Surface> places = surfaces();
+  const std::vector<Surface> points = surfaces();
   std::vector<dvec3> wanted;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    wanted.push_back(room.irradiance(places[k].place, places[k].normal, 256, static_cast<std::uint32_t>(k)));
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    wanted.push_back(room.irradiance(points[k].position, points[k].normal, 256, static_cast<std::uint32_t>(k)));
   }
   const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.0};
-  const double dark = error_of(raw, places, wanted, plain);
-  const double leaking = error_of(probes, places, wanted, plain);
-  const double seen = error_of(probes, places, wanted, {});
+  const double dark = error_of(raw, points, wanted, plain);
+  const double leaking = error_of(probes, points, wanted, plain);
+  const double seen = error_of(probes, points, wanted, {});
   CHECK(dark > 1.3 * leaking);
   CHECK(leaking > 1.3 * seen);
   CHECK(seen < 0.3);
 
-  // Moved out of the stone, probes see the room themselves.
+  // Probes that were moved out of the stone see the room.
   const BakedProbes moved = baked_out_of_walls(room, grid);
-  const double relocated = error_of(moved, places, wanted, {});
+  const double relocated = error_of(moved, points, wanted, {});
   CAPTURE(seen, relocated);
   CHECK(moved.invalid == 0);
   CHECK(relocated < 0.8 * seen);  // 0.21 and 0.28

@@ -22,13 +22,13 @@ std::uint32_t mixed(std::uint32_t value) {
   return value ^ value >> 16U;
 }
 
-/// From 0 to 1.
+/// Returns a random number from 0 to 1.
 double number(std::uint32_t& state) {
   state += 0x9e3779b9U;
   return (static_cast<double>(mixed(state)) + 0.5) / 4294967296.0;
 }
 
-/// About a normal, as often as its cosine says.
+/// Returns a random direction about a normal, distributed by the cosine.
 dvec3 cosine_direction(const dvec3& normal, std::uint32_t& state) {
   const double turn = 2.0 * kPi * number(state);
   const double square = number(state);
@@ -76,10 +76,10 @@ Room::Hit Room::trace(const dvec3& from, const dvec3& direction) const {
     hit = {distance, from + distance * direction, normal, box.albedo, false, inside};
   }
   const double to_light = (kLightLow.y - from.y) / direction.y;
-  const dvec3 place = from + to_light * direction;
-  if (to_light > kAway && to_light < hit.distance && direction.y > 0.0 && place.x > kLightLow.x &&
-      place.x < kLightHigh.x && place.z > kLightLow.z && place.z < kLightHigh.z) {
-    hit = {to_light, place, {0, -1, 0}, {}, true, false};
+  const dvec3 position = from + to_light * direction;
+  if (to_light > kAway && to_light < hit.distance && direction.y > 0.0 && position.x > kLightLow.x &&
+      position.x < kLightHigh.x && position.z > kLightLow.z && position.z < kLightHigh.z) {
+    hit = {to_light, position, {0, -1, 0}, {}, true, false};
   }
   return hit;
 }
@@ -90,14 +90,14 @@ bool Room::free_between(const dvec3& from, const dvec3& to) const {
   return trace(from, way / length).distance > length - 1e-4;
 }
 
-dvec3 Room::direct(const dvec3& place, const dvec3& normal, std::uint32_t& state) const {
+dvec3 Room::direct(const dvec3& position, const dvec3& normal, std::uint32_t& state) const {
   const dvec3 there{kLightLow.x + number(state) * (kLightHigh.x - kLightLow.x), kLightLow.y,
                     kLightLow.z + number(state) * (kLightHigh.z - kLightLow.z)};
-  const dvec3 way = there - place;
+  const dvec3 way = there - position;
   const double square = glm::dot(way, way);
   const double cosine = glm::dot(way, normal) / std::sqrt(square);
   const double at_light = way.y / std::sqrt(square);
-  if (cosine <= 0.0 || at_light <= 0.0 || !free_between(place, there)) return dvec3(0.0);
+  if (cosine <= 0.0 || at_light <= 0.0 || !free_between(position, there)) return dvec3(0.0);
   const double area = (kLightHigh.x - kLightLow.x) * (kLightHigh.z - kLightLow.z);
   return kLightRadiance * (cosine * at_light * area / square);
 }
@@ -106,23 +106,23 @@ dvec3 Room::radiance(const dvec3& from, const dvec3& direction, std::uint32_t se
   std::uint32_t state = mixed(seed);
   dvec3 sum(0.0);
   dvec3 share(1.0);
-  dvec3 place = from;
+  dvec3 position = from;
   dvec3 way = direction;
   for (int bounce = 0; bounce < kMaxBounces; ++bounce) {
-    const Hit hit = trace(place, way);
-    if (hit.is_light || hit.is_back || hit.distance == kInfinity) break;  // each surface looks for the light
-    place = hit.place + kAway * hit.normal;
+    const Hit hit = trace(position, way);
+    if (hit.is_light || hit.is_back || hit.distance == kInfinity) break;  // each surface samples the light directly
+    position = hit.position + kAway * hit.normal;
     share *= hit.albedo;
-    sum += share * direct(place, hit.normal, state) / kPi;
+    sum += share * direct(position, hit.normal, state) / kPi;
     way = cosine_direction(hit.normal, state);
   }
   return sum;
 }
 
-dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::uint32_t seed) const {
+dvec3 Room::irradiance(const dvec3& position, const dvec3& normal, int paths, std::uint32_t seed) const {
   dvec3 sum(0.0);
   std::uint32_t state = mixed(seed);
-  const dvec3 above = place + kAway * normal;
+  const dvec3 above = position + kAway * normal;
   for (int path = 0; path < paths; ++path) {
     const dvec3 way = cosine_direction(normal, state);
     state = mixed(state);
@@ -132,7 +132,7 @@ dvec3 Room::irradiance(const dvec3& place, const dvec3& normal, int paths, std::
 }
 
 Captures Room::capture(const ProbeGrid& grid, int size, int paths) const {
-  // Texels in the order in which `Captures` asks for them; each probe alone, so that threads can share them.
+  // Texels are in the order in which `Captures` reads them. Probes are independent, so that threads can share them.
   std::vector<std::vector<dvec3>> colours(grid.size());
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
@@ -148,8 +148,8 @@ Captures Room::capture(const ProbeGrid& grid, int size, int paths) const {
   std::vector<std::thread> threads;
   for (int k = 0; k < 2; ++k) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
-  std::vector<std::size_t> places(grid.size());
-  return {grid.size(), size, [&](std::size_t k, const dvec3&) { return colours[k][places[k]++]; }, size,
+  std::vector<std::size_t> cursors(grid.size());
+  return {grid.size(), size, [&](std::size_t k, const dvec3&) { return colours[k][cursors[k]++]; }, size,
           [&](std::size_t k, const dvec3& direction) {
             const Hit hit = trace(grid.position(k), direction);
             return static_cast<float>(hit.is_back ? -hit.distance : hit.distance);

@@ -1,6 +1,6 @@
-// Writes what shaders_live.sh gives to compilers of shaders and to a browser: the generated code with readers of a
-// probe's numbers around it, and a page that evaluates the GLSL (WebGL 2) and, where it can, the WGSL (WebGPU) at
-// places whose irradiance the library has said.
+// Writes the input of shaders_live.sh for shader compilers and a browser: the generated code with readers of a probe's
+// numbers around it, and a page that evaluates the GLSL (WebGL 2) and, where it can, the WGSL (WebGPU) at points whose
+// irradiance the library has computed.
 //   write_page FOLDER
 #include <cmath>
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace welkin::test {
 namespace {
 
 const ProbeGrid kGrid{.counts = {4, 3, 2}, .origin = {-1, 0.5, 2}, .spacing = {1, 0.75, 1.25}};
-constexpr int kPlaces = 256;
+constexpr int kPoints = 256;
 constexpr double kBias = 0.2;
 constexpr double kEvenSpacing = 0.8;
 
@@ -28,7 +28,7 @@ double number(std::mt19937& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
 }
 
-/// Not a bake, but all that a look-up can meet.
+/// Returns made-up probes that cover every case of a lookup.
 BakedProbes made_up() {
   std::mt19937 random(3);
   BakedProbes probes;
@@ -313,16 +313,16 @@ void write_all(const std::filesystem::path& folder) {
   std::mt19937 random(11);
   std::vector<double> positions;
   std::vector<double> wanted;
-  // three.js moves a place by half a spacing along the normal, axis by axis: the same where spacings are.
+  // three.js moves a point by half a spacing along the normal, axis by axis; this agrees where the spacings are equal.
   BakedProbes even = probes;
   even.grid.spacing = dvec3(kEvenSpacing);
   const ProbeTexture atlas = pack_probes(even, ProbeLayout::three).textures.front();
   const ProbeSampling plain{.visibility = false, .facing = false, .validity = false, .normal_bias = 0.5};
   std::vector<double> three_wanted;
-  for (int k = 0; k < kPlaces; ++k) {
+  for (int k = 0; k < kPoints; ++k) {
     const dvec3 surface{number(random, -1.5, 2.5), number(random, 0.2, 2.3), number(random, 1.5, 3.6)};
     const dvec3 normal = glm::normalize(dvec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)));
-    // Floats of both sides are the same.
+    // Both sides start from the same floats.
     const dvec3 light = probe_irradiance(probes, dvec3(vec3(surface)), dvec3(vec3(normal)), {.normal_bias = kBias});
     for (const dvec3& each : {surface, normal}) positions.insert(positions.end(), {each.x, each.y, each.z, 0.0});
     wanted.insert(wanted.end(), {light.x, light.y, light.z});
