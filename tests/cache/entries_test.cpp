@@ -1,4 +1,4 @@
-// What names an entry of the cache, and that no entry is believed.
+// The names of cache entries, and the validation of every entry.
 #include "cache/entry_store.h"
 #include "cache/recipe.h"
 #include "cache/result_cache.h"
@@ -14,11 +14,11 @@
 
 namespace welkin::test {
 
-// Hashes follow what pixels and options say, and nothing else.
+// Hashes depend on the content of pixels and options, and on nothing else.
 
 namespace {
 
-/// The same texels with rows further apart and turned upside down in memory, and junk between them.
+/// Texels of another image in memory with padded rows, optionally upside down, and junk between the rows.
 struct Strided {
   std::vector<std::byte> memory;
   CubemapView view;
@@ -56,13 +56,13 @@ TEST_CASE("hash: every texel, every channel and every face counts") {
   const std::array<ContentHash, 6> faces = cache::hash_faces(original.view(), {});
   std::set<ContentHash> seen{hash_pixels(original.view())};
   const std::size_t face_values = original.pixels.size() / 6;
-  // First and last values of faces, and of the blocks of rows that are hashed apart.
-  const std::vector<std::size_t> places = {0, 1, 2, 449, 450, face_values - 1, 65535, 65536, face_values / 2};
+  // First and last values of faces and of the blocks of rows that are hashed separately.
+  const std::vector<std::size_t> offsets = {0, 1, 2, 449, 450, face_values - 1, 65535, 65536, face_values / 2};
   for (std::size_t face = 0; face < 6; ++face) {
-    for (const std::size_t place : places) {
+    for (const std::size_t offset : offsets) {
       TestCubemap changed = original;
-      changed.pixels[face * face_values + place] += 1.0F;
-      INFO(face << ' ' << place);
+      changed.pixels[face * face_values + offset] += 1.0F;
+      INFO(face << ' ' << offset);
       CHECK(seen.insert(hash_pixels(changed.view())).second);
       const std::array<ContentHash, 6> now = cache::hash_faces(changed.view(), {});
       for (std::size_t other = 0; other < 6; ++other) CHECK((now[other] == faces[other]) == (other != face));
@@ -103,14 +103,14 @@ TEST_CASE("hash: files by their bytes") {
 
 }  // namespace
 
-// No field that a result depends on is left out of its hash, and none that it does not depend on is in it.
+// The hash of a result covers every field that the result depends on, and no other.
 
 namespace {
 
 /// A change of options.
 #define SET(...) [](auto& options) { options.__VA_ARGS__; }
 
-/// Every change gives a hash of its own.
+/// Checks that every change gives a different hash.
 template <class Options>
 void check_changes(const Options& plain, const std::vector<std::function<void(Options&)>>& changes) {
   std::set<ContentHash> seen{cache::hash_options(plain)};
@@ -199,7 +199,7 @@ TEST_CASE("options: every field of an atmosphere counts, but its name") {
 
 }  // namespace
 
-// Whatever happens to the folder, results are right and calls succeed.
+// Results are right and calls succeed whatever happens to the folder.
 
 namespace {
 
@@ -228,9 +228,9 @@ TEST_CASE("entries: a damaged byte, a cut and an appended byte are found out, an
     CHECK(cache.statistics().disk_hits == 0);
     CHECK(read_bytes(path).size() == sound.size());
   };
-  for (std::size_t place = 0; place < sound.size(); place += place < 64 ? 1 : 41) {
+  for (std::size_t offset = 0; offset < sound.size(); offset += offset < 64 ? 1 : 41) {
     std::vector<char> damaged = sound;
-    damaged[place] = static_cast<char>(damaged[place] ^ 4);
+    damaged[offset] = static_cast<char>(damaged[offset] ^ 4);
     survives(damaged);
   }
   for (const std::size_t length : {std::size_t{0}, std::size_t{63}, std::size_t{64}, sound.size() - 1}) {
@@ -241,7 +241,7 @@ TEST_CASE("entries: a damaged byte, a cut and an appended byte are found out, an
   survives(longer);
 }
 
-/// What the folder's files say that they are.
+/// Returns the entry names that the headers of the folder's files state.
 std::vector<EntryName> names_in(const std::filesystem::path& folder) {
   std::vector<EntryName> names;
   for (const std::filesystem::path& path : files_in(folder)) {
@@ -310,8 +310,8 @@ TEST_CASE("entries: another entry under this name is not taken for it") {
 }
 
 TEST_CASE("entries: the least recently used go when the folder is full") {
-  const TemporaryFile place("cache");
-  EntryFolder folder(place, 3 * (1000 + cache::kEntryHeaderBytes));
+  const TemporaryFile path("cache");
+  EntryFolder folder(path, 3 * (1000 + cache::kEntryHeaderBytes));
 #if defined(_WIN32)
   constexpr std::chrono::milliseconds kTick(1100);  // libstdc++ reads a file's time in seconds there
 #else
@@ -330,9 +330,9 @@ TEST_CASE("entries: the least recently used go when the folder is full") {
   CHECK(folder.find(named(4)).has_value());
   folder.store(named(5), payload_of(5, 100'000));
   CHECK_FALSE(folder.find(named(5)).has_value());
-  CHECK(files_in(place).size() == 3);
-  EntryFolder smaller(place, 1200);
-  CHECK(files_in(place).size() == 1);
+  CHECK(files_in(path).size() == 3);
+  EntryFolder smaller(path, 1200);
+  CHECK(files_in(path).size() == 1);
 }
 
 TEST_CASE("entries: a folder that cannot be is no reason to fail") {
@@ -347,11 +347,11 @@ TEST_CASE("entries: a folder that cannot be is no reason to fail") {
   CHECK(cache.project(cubemap.view()).diagnostics.passes.front().action == PassAction::reuse);
 }
 
-// Entries that somebody else made: sizes that cannot be, no memory for what they state.
+// Forged entries: impossible sizes, and sizes for which there is no memory.
 
 TEST_CASE("entries: no memory is taken for more than an entry of its kind can have") {
-  const TemporaryFile place("cache");
-  EntryFolder folder(place, kLarge);
+  const TemporaryFile path("cache");
+  EntryFolder folder(path, kLarge);
   folder.store(named(1), std::vector<std::uint8_t>(100, 7));
   CHECK(folder.find(named(1), 100).has_value());
   CHECK_FALSE(folder.find(named(1), 99).has_value());
@@ -359,10 +359,10 @@ TEST_CASE("entries: no memory is taken for more than an entry of its kind can ha
 
   // A sparse file of a terabyte whose header says so, under the name of a projection's entry.
   const TestLatLong image = make_lat_long(Content::smooth, 16, 8, 3);
-  const CacheOptions options{.folder = place, .memory_bytes = 0, .disk_bytes = std::uint64_t{1} << 50U};
+  const CacheOptions options{.folder = path, .memory_bytes = 0, .disk_bytes = std::uint64_t{1} << 50U};
   static_cast<void>(ResultCache(options).project(image.view()));
-  REQUIRE(files_in(place).size() == 1);
-  const std::filesystem::path entry = files_in(place).front();
+  REQUIRE(files_in(path).size() == 1);
+  const std::filesystem::path entry = files_in(path).front();
   std::vector<char> bytes = read_bytes(entry);
   bytes.resize(cache::kEntryHeaderBytes);
   const std::uint64_t payload = std::uint64_t{1} << 40U;

@@ -1,4 +1,4 @@
-// What comes out of a cache is what would have been computed, whole or put together.
+// Results of a cache equal the computed ones, whether they are stored as a whole or assembled.
 #include "welkin/result_cache.h"
 
 #include <glm/gtc/quaternion.hpp>
@@ -15,7 +15,7 @@
 
 namespace welkin::test {
 
-// What comes out of a cache is what would have been computed.
+// Results of a cache equal the computed ones.
 
 namespace {
 
@@ -68,7 +68,7 @@ TEST_CASE("cache: a changed face alone is projected again") {
   const Projection now = cache.project(cubemap.view(), {}, keep);
   CHECK(same_light(now, project(cubemap.view())));
   CHECK(now.diagnostics.passes.front().reason == "5 of 6 faces were projected before");
-  // Two projections and two faces were not there, and six faces at first.
+  // Misses: two projections, six faces at first, and one face later.
   CHECK(cache.statistics().misses == 1 + 6 + 1 + 1);
   CHECK(cache.statistics().memory_hits == 5);
 }
@@ -85,7 +85,7 @@ TEST_CASE("cache: exposure is a factor, a turn is one of the coefficients, and n
   CHECK(action(light.diagnostics, "rotation") == "run");
   const SphericalHarmonics expected = rotate(scale(plain.radiance, glm::dvec3(4.0)), rotation);
   CHECK(same_bytes(light.radiance.coefficients(), expected.coefficients()));
-  // A power of two: what the exposed pixels themselves give, bit for bit.
+  // The exposure is a power of two: the result equals that of the exposed pixels bit for bit.
   TestCubemap exposed = cubemap;
   for (float& value : exposed.pixels) value *= 4.0F;
   CHECK(same_light(changed(plain, {.exposure = 4.0}), project(exposed.view(), {.bands = 5})));
@@ -277,11 +277,11 @@ TEST_CASE("cache: memory stays within its bound") {
 
 }  // namespace
 
-// A chain of mips is put together from what other chains left, and is the chain that would have been made.
+// A chain is assembled from the mips that other chains left, and equals the computed chain.
 
 namespace {
 
-/// The options of a chain without bounds to think about.
+/// Returns options of a chain of the given roughness with default bounds.
 PrefilterOptions chain(std::vector<double> roughness, int size = 32) {
   PrefilterOptions options{.size = size};
   options.roughness = std::move(roughness);
@@ -387,7 +387,7 @@ TEST_CASE("chains: mips that are gone from the folder are made again, those betw
   const PrefilterOptions options = chain({0.0, 0.3, 0.4, 0.5, 0.8});
   const PrefilteredSpecular truth = ResultCache(where).prefilter_specular(cubemap.view(), options);
   constexpr std::uintmax_t kLastMip = 72 * 2 * 2;
-  std::uintmax_t beside = std::numeric_limits<std::uintmax_t>::max();  // the texels: energies and the record
+  std::uintmax_t beside = std::numeric_limits<std::uintmax_t>::max();  // bytes other than texels: energies, record
   for (const auto& entry : std::filesystem::directory_iterator(where.folder)) {
     if (entry.file_size() > kLastMip) beside = std::min(beside, entry.file_size() - kLastMip);
   }

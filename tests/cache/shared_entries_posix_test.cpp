@@ -1,4 +1,4 @@
-// Entries of a cache's folder where POSIX can say more: links, pipes, locks, a full disk, processes that are killed.
+// Entries of a cache's folder in situations that need POSIX: links, pipes, locks, a full disk, killed processes.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/file.h>
@@ -23,31 +23,31 @@ constexpr std::uint64_t kLarge = std::uint64_t{1} << 30U;
 cache::EntryName named(unsigned number) { return {cache::EntryKind::projection, {number, ~std::uint64_t{number}}}; }
 
 TEST_CASE("entries: what a killed writer left behind goes, and what a living one writes stays") {
-  const TemporaryFile place("cache");
-  std::filesystem::create_directory(place);
-  write_bytes(place / ".welkin-1-0.part", {'x'});
-  write_bytes(place / ".welkin-2-0-5.part", {'x'});
-  std::filesystem::create_symlink("/dev/null", place / ".welkin-3-0.part");
-  const int living = open((place / ".welkin-2-0-5.part").c_str(), O_RDONLY | O_CLOEXEC);
+  const TemporaryFile root("cache");
+  std::filesystem::create_directory(root);
+  write_bytes(root / ".welkin-1-0.part", {'x'});
+  write_bytes(root / ".welkin-2-0-5.part", {'x'});
+  std::filesystem::create_symlink("/dev/null", root / ".welkin-3-0.part");
+  const int living = open((root / ".welkin-2-0-5.part").c_str(), O_RDONLY | O_CLOEXEC);
   REQUIRE(flock(living, LOCK_EX) == 0);
   {
-    const EntryFolder folder(place, 1000);
-    CHECK_FALSE(std::filesystem::exists(place / ".welkin-1-0.part"));
-    CHECK(std::filesystem::exists(place / ".welkin-2-0-5.part"));
-    CHECK(std::filesystem::is_symlink(place / ".welkin-3-0.part"));
+    const EntryFolder folder(root, 1000);
+    CHECK_FALSE(std::filesystem::exists(root / ".welkin-1-0.part"));
+    CHECK(std::filesystem::exists(root / ".welkin-2-0-5.part"));
+    CHECK(std::filesystem::is_symlink(root / ".welkin-3-0.part"));
   }
   close(living);
-  const EntryFolder folder(place, 1000);
-  CHECK_FALSE(std::filesystem::exists(place / ".welkin-2-0-5.part"));
+  const EntryFolder folder(root, 1000);
+  CHECK_FALSE(std::filesystem::exists(root / ".welkin-2-0-5.part"));
 }
 
 TEST_CASE("entries: a link under an entry's name is not followed, for reading or for writing") {
   const TemporaryDirectory directory;
-  const std::filesystem::path place = directory.file("cache");
-  EntryFolder folder(place, kLarge);
+  const std::filesystem::path root = directory.file("cache");
+  EntryFolder folder(root, kLarge);
   folder.store(named(1), std::vector<std::uint8_t>(100, 7));
-  REQUIRE(files_in(place).size() == 1);
-  const std::filesystem::path entry = files_in(place).front();
+  REQUIRE(files_in(root).size() == 1);
+  const std::filesystem::path entry = files_in(root).front();
   const std::filesystem::path elsewhere = directory.file("elsewhere");
   std::filesystem::rename(entry, elsewhere);
   std::filesystem::create_symlink(elsewhere, entry);
@@ -60,32 +60,32 @@ TEST_CASE("entries: a link under an entry's name is not followed, for reading or
 }
 
 TEST_CASE("entries: files of others stay, and pipes and folders under an entry's name keep nobody waiting") {
-  const TemporaryFile place("cache");
-  EntryFolder folder(place, 1000);
+  const TemporaryFile root("cache");
+  EntryFolder folder(root, 1000);
   const std::vector<std::string> theirs{"notes.txt", "mine.welkin-entry", ".welkin-notes.part", ".welkin-.part"};
   for (const std::string& name : theirs) {
-    write_bytes(place / name, std::vector<char>(5000, 'x'));
-    std::filesystem::last_write_time(place / name,
+    write_bytes(root / name, std::vector<char>(5000, 'x'));
+    std::filesystem::last_write_time(root / name,
                                      std::filesystem::file_time_type::clock::now() - std::chrono::hours(200));
   }
   folder.store(named(1), payload_of(1, 500));
   const std::string name = [&] {
-    for (const auto& path : files_in(place)) {
+    for (const auto& path : files_in(root)) {
       if (std::ranges::find(theirs, path.filename().string()) == theirs.end()) return path.filename().string();
     }
     return std::string();
   }();
-  std::filesystem::remove(place / name);
-  REQUIRE(mkfifo((place / name).c_str(), 0600) == 0);
+  std::filesystem::remove(root / name);
+  REQUIRE(mkfifo((root / name).c_str(), 0600) == 0);
   CHECK_FALSE(folder.find(named(1)).has_value());
-  std::filesystem::create_directory(place / name);
+  std::filesystem::create_directory(root / name);
   CHECK_FALSE(folder.find(named(1)).has_value());
   for (unsigned number = 2; number < 6; ++number) folder.store(named(number), payload_of(number, 500));
-  const EntryFolder once_more(place, 1000);
-  for (const std::string& each : theirs) CHECK(std::filesystem::exists(place / each));
+  const EntryFolder once_more(root, 1000);
+  for (const std::string& each : theirs) CHECK(std::filesystem::exists(root / each));
 }
 
-/// Runs `work` in a process of its own; what it returns.
+/// Starts a process that exits with the result of `work`; returns its id.
 template <class Work>
 pid_t start_process(const Work& work) {
   const pid_t child = fork();
@@ -100,25 +100,25 @@ int exit_code(pid_t child) {
 }
 
 TEST_CASE("entries: a full disk is no reason to fail and leaves nothing behind") {
-  const TemporaryFile place("cache");
+  const TemporaryFile root("cache");
   const pid_t child = start_process([&] {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{4096, 4096};
     setrlimit(RLIMIT_FSIZE, &limit);
-    EntryFolder folder(place, kLarge);
+    EntryFolder folder(root, kLarge);
     folder.store(named(1), payload_of(1, 100'000));
     folder.store(named(2), payload_of(2, 1000));
     const bool right = folder.counts().write_failures == 1 && !folder.find(named(1)) && folder.find(named(2));
     return right ? 0 : 1;
   });
   CHECK(exit_code(child) == 0);
-  CHECK(files_in(place).size() == 1);
+  CHECK(files_in(root).size() == 1);
 }
 
-/// Stores and finds entries among those of others; 0 if all that was found was right.
-int work_among_others(const std::filesystem::path& place, unsigned seed, int rounds) {
-  // Little room: entries come and go under the readers' hands.
-  EntryFolder folder(place, 40'000);
+/// Stores and finds entries among those of other processes; returns 0 if every found entry was right.
+int work_among_others(const std::filesystem::path& root, unsigned seed, int rounds) {
+  // The folder is small, so that entries come and go while others read them.
+  EntryFolder folder(root, 40'000);
   unsigned state = seed * 2654435761U + 1;
   for (int round = 0; round < rounds; ++round) {
     state = state * 1664525U + 1013904223U;
@@ -131,19 +131,19 @@ int work_among_others(const std::filesystem::path& place, unsigned seed, int rou
 }
 
 TEST_CASE("entries: processes and threads that share a folder never see half an entry") {
-  const TemporaryFile place("cache");
+  const TemporaryFile root("cache");
   std::vector<pid_t> children;
   for (unsigned seed = 0; seed < 4; ++seed) {
-    children.push_back(start_process([&] { return work_among_others(place, seed, 60); }));
+    children.push_back(start_process([&] { return work_among_others(root, seed, 60); }));
   }
-  const pid_t killed = start_process([&] { return work_among_others(place, 9, 1'000'000); });
+  const pid_t killed = start_process([&] { return work_among_others(root, 9, 1'000'000); });
   for (const pid_t child : children) CHECK(exit_code(child) == 0);
   kill(killed, SIGKILL);
   CHECK(exit_code(killed) == 256 + SIGKILL);
   std::vector<int> codes(3, -1);
-  on_threads(3, [&](std::size_t k) { codes[k] = work_among_others(place, 20 + static_cast<unsigned>(k), 60); });
+  on_threads(3, [&](std::size_t k) { codes[k] = work_among_others(root, 20 + static_cast<unsigned>(k), 60); });
   CHECK(codes == std::vector<int>{0, 0, 0});
-  EntryFolder folder(place, kLarge);
+  EntryFolder folder(root, kLarge);
   for (unsigned number = 0; number < 12; ++number) {
     const auto found = folder.find(named(number));
     CHECK((!found || *found == payload_of(number, 1000 + 500 * number)));

@@ -1,4 +1,4 @@
-// A Cornell-like room, a small path tracer for it, and captures of a grid of probes in it. Results are equal on every
+// A Cornell-like room, a small path tracer for it, and captures of a grid of probes in it. Results are equal on
 // every machine except the last bits of a square root's sums: random numbers are hashes of their purpose.
 #pragma once
 
