@@ -1,5 +1,5 @@
-// Promises that hold on every system: names of any characters and length, files that are replaced as a whole, folders
-// that one at a time has, places beyond 4 GiB.
+// Promises that hold on every system: names of any characters and length, files that are replaced as a whole,
+// exclusive locks of folders, offsets beyond 4 GiB.
 #include "platform/file.h"
 #include "platform/text.h"
 #include "support/catch.h"
@@ -31,7 +31,7 @@ std::size_t entries(const std::filesystem::path& folder) {
   return count;
 }
 
-/// Of two, three and four bytes in UTF-8; the last is a pair in UTF-16.
+/// Names with characters of two, three and four bytes in UTF-8; those of four bytes are pairs in UTF-16.
 constexpr std::array kNames{"H\xC3\xB6he.pfm", "\xE5\xA4\xA9\xE7\xA9\xBA.pfm", "\xF0\x9F\x8C\x84 sunrise.pfm",
                             "\xD0\xBD\xD0\xB5\xD0\xB1\xD0\xBE.pfm"};
 
@@ -101,7 +101,7 @@ TEST_CASE("A file that somebody reads is replaced: the reader keeps what it open
   std::string failure;
   try {
     write_whole(path, "after");
-  } catch (const Error& error) {  // Windows without POSIX's renaming (FAT, or before 1709): it says why
+  } catch (const Error& error) {  // Windows without POSIX renaming (FAT, or before 1709): the error states why
     failure = error.what();
     CHECK(error.code() == ErrorCode::file_access);
     CHECK(failure.find("another program has the file that is there open") != std::string::npos);
@@ -139,7 +139,7 @@ TEST_CASE("One at a time has a folder", "[platform]") {
   CHECK(first->take());
   CHECK(first->take());
   CHECK_FALSE(second.take());
-  write_whole(folder / "sky.bin", "light");  // who has it writes to it
+  write_whole(folder / "sky.bin", "light");  // the owner of the lock can write
   CHECK(read_whole(folder / "sky.bin") == "light");
   first.reset();
   CHECK(second.take());
@@ -149,7 +149,7 @@ TEST_CASE("One at a time has a folder", "[platform]") {
   FolderLock other(directory.file("other"));
   CHECK(other.take());
   FolderLock nowhere(directory.file("none"));
-  CHECK(nowhere.take());  // what cannot be locked nobody waits for
+  CHECK(nowhere.take());  // succeeds where no lock is possible, so that no caller waits for one
 }
 
 TEST_CASE("The time of a file's last change can be set to now", "[platform]") {
@@ -162,7 +162,7 @@ TEST_CASE("The time of a file's last change can be set to now", "[platform]") {
   CHECK(std::filesystem::last_write_time(path) > long_ago + std::chrono::hours(47));
 }
 
-// (A file system without holes would write 5 GiB: NTFS does. So this one runs by its name only, there.)
+// (A file system without sparse files, such as NTFS, writes 5 GiB, so there this test runs only by its name.)
 #if defined(_WIN32)
 constexpr const char* kLargeTags = "[platform][.large]";
 #else

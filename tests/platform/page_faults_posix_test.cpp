@@ -1,4 +1,4 @@
-// Page faults of warm calls. What Linux counts, and glibc can be told: elsewhere there is nothing to compare.
+// Page faults of warm calls. They are comparable only where Linux counts them and glibc's threshold can be set.
 
 #if defined(__linux__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <malloc.h>
@@ -12,8 +12,8 @@
 namespace welkin::test {
 namespace {
 
-/// While it lives, malloc maps every block of 256 KiB and more anew, as in a process that has just begun: what comes
-/// from the heap is cleared page by page in each call.
+/// During its lifetime malloc maps every block of 256 KiB and more separately, as in a new process, so that memory from
+/// the heap is cleared page by page in each call.
 class FreshHeap {
  public:
   FreshHeap() noexcept { mallopt(M_MMAP_THRESHOLD, 256 << 10); }
@@ -28,7 +28,7 @@ long page_faults() {
   return usage.ru_minflt;
 }
 
-/// Of the fourth call, on one thread.
+/// Returns the page faults of the fourth call, on one thread.
 long warm_faults(const std::function<void()>& call) {
   long faults = 0;
   run_with_threads(1, [&] {
@@ -56,8 +56,8 @@ TEST_CASE("A warm bake takes no page faults beyond its result", "[platform][memo
     CHECK(warm_faults([&] { bake_into(result, lat_long.view(), options); }) <= few);
     CHECK(warm_faults([&] { bake_into(result, cubemap.view(), options); }) <= few);
   }
-  // Without kept memory a cubemap's rings take hundreds, which is what is counted. malloc may have room for them, left
-  // by other tests.
+  // Without kept memory a cubemap's rings take hundreds of page faults, which are counted here. `malloc_trim` removes
+  // free memory that other tests left.
   const KeptMemory kept(0);
   const auto bake = [&] {
     malloc_trim(0);

@@ -1,22 +1,22 @@
-// Promise: the stop token of our own, for standard libraries without one, does what std::stop_token does.
+// Promise: Welkin's stop token, for standard libraries without one, behaves as std::stop_token does.
 #include "support/catch.h"
 #include "welkin/detail/standard_library.h"
 
 namespace welkin::test {
 namespace {
 
-namespace own = detail::standard;
+namespace standard = detail::standard;
 
-/// The names of either library, so that each promise is kept by both.
+/// The names of either implementation, so that both are tested.
 struct Own {
-  using Source = own::stop_source;
-  using Token = own::stop_token;
+  using Source = standard::stop_source;
+  using Token = standard::stop_token;
   template <class Function>
-  using Callback = own::stop_callback<Function>;
-  static Source without_state() { return Source(own::nostopstate); }
+  using Callback = standard::stop_callback<Function>;
+  static Source without_state() { return Source(standard::nostopstate); }
 };
 #ifdef __MINGW32__
-using Standard = Own;  // the library's, whose callbacks may hang there
+using Standard = Own;  // callbacks of the standard library may hang there
 #else
 struct Standard {
   using Source = std::stop_source;

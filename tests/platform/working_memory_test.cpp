@@ -1,4 +1,4 @@
-// Working memory that stays between calls: what is kept, what is freed, and that nobody reads what nobody wrote.
+// Working memory that stays between calls: what is kept, what is freed, and that nothing reads unwritten memory.
 #include "platform/memory.h"
 #include "support/catch.h"
 #include "support/heap.h"
@@ -17,7 +17,7 @@ using platform::WorkingMemory;
 
 constexpr std::size_t kMebi = std::size_t{1} << 20U;
 
-/// A resource that is the heap, but not the process's default one.
+/// A resource on the heap that is not the process's default resource.
 memory_resource* own_heap() {
   class Heap final : public memory_resource {
     void* do_allocate(std::size_t bytes, std::size_t alignment) override {
@@ -56,7 +56,7 @@ TEST_CASE("A block serves requests of half its size and more, the smallest one f
   const WorkingMemory medium = take_working_memory(10 * kMebi);
   give_working_memory(large);
   give_working_memory(medium);
-  const WorkingMemory small = take_working_memory(4 * kMebi);  // both are too large
+  const WorkingMemory small = take_working_memory(4 * kMebi);  // both kept blocks are too large
   CHECK(small.data != large.data);
   CHECK(small.data != medium.data);
   CHECK(take_working_memory(9 * kMebi).data == medium.data);
@@ -72,7 +72,7 @@ TEST_CASE("The oldest blocks are freed beyond the limit", "[platform][memory]") 
   const WorkingMemory huge = take_working_memory(20 * kMebi);
   for (const WorkingMemory& block : {first, second, third}) give_working_memory(block);
   CHECK(kept_working_memory() == second.bytes + third.bytes);
-  give_working_memory(huge);  // above the limit itself: it drives nothing out
+  give_working_memory(huge);  // above the limit by itself: it evicts nothing
   CHECK(kept_working_memory() == second.bytes + third.bytes);
   keep_working_memory(7 * kMebi);
   CHECK(kept_working_memory() == third.bytes);
@@ -148,8 +148,8 @@ TEST_CASE("Blocks below a mebibyte share huge pages, which are kept when none is
   CHECK(kept_working_memory() == 2 * kMebi);
   give_working_memory(fourth);
   CHECK(kept_working_memory() == 4 * kMebi);
-  const WorkingMemory own = take_working_memory(6 * kMebi);
-  give_working_memory(own);  // one of the pages makes room
+  const WorkingMemory six = take_working_memory(6 * kMebi);
+  give_working_memory(six);  // one of the pages makes room
   CHECK(kept_working_memory() == 8 * kMebi);
   keep_working_memory(2 * kMebi);
   CHECK(kept_working_memory() == 2 * kMebi);
