@@ -1,4 +1,4 @@
-// A thread sanitizer that says nothing must be one that would have spoken: a race in a tile is reported.
+// Checks that the thread sanitizer reports a race in a tile, so that its silence elsewhere means something.
 #ifdef __SANITIZE_THREAD__
 
 #include <atomic>
@@ -16,7 +16,7 @@ std::atomic<bool> swallows{false};
 std::atomic<int> swallowed{0};
 }  // namespace
 
-// The sanitizer's own hook: it asks before each report, and keeps to itself those that we call suppressed.
+// The sanitizer's hook: it is called before each report and suppresses the report if it returns true.
 namespace __tsan {
 class ReportDesc;
 [[gnu::no_sanitize_thread]] bool OnReport(const ReportDesc*, bool suppressed) {
@@ -38,7 +38,7 @@ int races_reported(const std::function<void(std::size_t tile, std::size_t worker
   return swallowed;
 }
 
-/// Holds each of two tiles until the other has a thread too. Relaxed: it must not order what they do.
+/// Holds each of two tiles until the other has a thread too. Relaxed, because it must not order their accesses.
 void wait_for_the_other(std::atomic<int>& inside) {
   inside.fetch_add(1, std::memory_order_relaxed);
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -49,7 +49,7 @@ void wait_for_the_other(std::atomic<int>& inside) {
 
 }  // namespace
 
-// Of two accesses in the very same moment the sanitizer may see neither before the other: hence several tries.
+// The sanitizer may miss a race between two simultaneous accesses, hence several attempts.
 TEST_CASE("Two tiles that write to the same place are reported", "[jobs]") {
   int same = 0;
   int reported = 0;
@@ -66,12 +66,12 @@ TEST_CASE("Two tiles that write to the same place are reported", "[jobs]") {
 
 TEST_CASE("Two tiles that write to places of their own are not reported", "[jobs]") {
   std::atomic<int> inside{0};
-  int own[2] = {0, 0};
+  int counts[2] = {0, 0};
   CHECK(races_reported([&](std::size_t tile, std::size_t) {
           wait_for_the_other(inside);
-          ++own[tile];
+          ++counts[tile];
         }) == 0);
-  CHECK(own[0] + own[1] == 2);  // read without an atomic: oneTBB orders it after both
+  CHECK(counts[0] + counts[1] == 2);  // read without an atomic: oneTBB orders it after both
 }
 
 }  // namespace welkin::test

@@ -1,4 +1,4 @@
-// The graph that a bake's passes run in.
+// The task graph that runs a bake's passes.
 #include "jobs/task_graph.h"
 
 #include <tbb/parallel_for.h>
@@ -18,7 +18,7 @@ namespace {
 
 using jobs::TaskGraph;
 
-/// A pass that is a job of tiles.
+/// Returns a pass that is a job of tiles.
 TaskGraph::Work tiles(std::size_t count, std::atomic<int>& done) {
   return [count, &done](const Control& control) {
     const auto placement = jobs::Placement::arena;
@@ -36,11 +36,11 @@ TEST_CASE("A pass begins when all that it waits for have ended", "[bake][jobs]")
         std::array<std::atomic<bool>, 6> ended{};
         std::atomic<int> wrong{0};
         TaskGraph graph;
-        const auto pass = [&](std::size_t own, std::vector<std::size_t> after) {
-          return [&, own, after = std::move(after)](const Control&) {
+        const auto pass = [&](std::size_t index, std::vector<std::size_t> after) {
+          return [&, index, after = std::move(after)](const Control&) {
             for (const std::size_t earlier : after) wrong += ended[earlier] ? 0 : 1;
-            wrong += ended[own] ? 1 : 0;
-            ended[own] = true;
+            wrong += ended[index] ? 1 : 0;
+            ended[index] = true;
           };
         };
         graph.add(1.0, pass(0, {}));
@@ -110,7 +110,7 @@ TEST_CASE("Progress of a graph is one rising number that ends with 1", "[bake][j
                  }});
       CHECK(done == 67);
       CHECK(!overlapped);
-      // What other threads finish during a call is told by the next one: on a busy machine few calls may come.
+      // Work that other threads finish during a call is reported by the next one, so a busy machine may make few calls.
       REQUIRE(reports.size() > (threads == 1 ? 3 : 0));
       CHECK(std::is_sorted(reports.begin(), reports.end()));
       CHECK(reports.front() > 0.0);
@@ -168,7 +168,7 @@ TEST_CASE("The exception of a pass stops the others and comes out once", "[bake]
         bool later = false;
         TaskGraph graph;
         graph.add(1.0, [&](const Control& control) {
-          for (int k = 0; k < 1000; ++k) tiles(4, done)(control);  // told to stop, it throws `cancelled`
+          for (int k = 0; k < 1000; ++k) tiles(4, done)(control);  // throws `cancelled` once it is stopped
         });
         graph.add(2.0, [&](const Control&) { throw std::runtime_error("of pass 1"); });
         graph.add(1.0, [&](const Control&) { later = true; }, {1});

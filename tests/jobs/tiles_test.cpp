@@ -1,4 +1,4 @@
-// Work on tiles: all of it is done once, errors and stop requests come out, and its hot loops allocate nothing.
+// Work on tiles: every tile is done once, errors and stop requests are reported, and hot loops allocate nothing.
 #include "jobs/tiles.h"
 
 #include <tbb/parallel_for.h>
@@ -27,7 +27,7 @@ void run(std::size_t count, Placement placement, const Control& control,
   jobs::run_tiles(count, placement, jobs::worker_count(placement), control, tile);
 }
 
-/// True if two tiles ever ran with the same worker's number at once, or one with a number that there is not.
+/// Returns whether two tiles ever ran at once with the same worker number, or one with an invalid number.
 bool tiles_share_workers(std::size_t count) {
   std::vector<std::atomic<int>> inside(jobs::worker_count(Placement::arena));
   std::atomic<bool> shared{false};
@@ -95,7 +95,7 @@ TEST_CASE("A stop request ends a job between tiles", "[jobs]") {
         });
       });
       CHECK(error.code == ErrorCode::cancelled);
-      CHECK(tiles <= static_cast<int>(share * 1000.0) + 8);  // one more a worker at most
+      CHECK(tiles <= static_cast<int>(share * 1000.0) + 8);  // at most one more per worker
     }
   }
 }
@@ -190,7 +190,7 @@ TEST_CASE("Work beside a OneThread stays in its thread, in order", "[jobs]") {
   });
 }
 
-// Sanitizers bring a heap of their own; there is nothing to count under them.
+// Sanitizers have their own heap, whose allocations cannot be counted.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
 namespace {
@@ -214,7 +214,7 @@ TEST_CASE("Threads take part in the work of their arena, and are gone afterwards
         0, kThreads,
         [&](int) {
           ++there;
-          while (there < kThreads) std::this_thread::yield();  // for ever, if one thread is missing
+          while (there < kThreads) std::this_thread::yield();  // never ends if a thread is missing
         },
         tbb::static_partitioner());
     all = threads_since(before).size() == kThreads - 1;
@@ -226,7 +226,7 @@ TEST_CASE("Threads take part in the work of their arena, and are gone afterwards
 
 namespace {
 
-/// Files of /proc and of control groups below a root of their own.
+/// Files of /proc and of control groups below a temporary root.
 class FakeSystem {
  public:
   void add(const std::string& name, const std::string& text) const {
@@ -312,7 +312,7 @@ TEST_CASE("The counter sees allocations in tiles", "[jobs][allocation]") {
     CHECK(allocations_during([] {
             jobs::run_tiles(10, jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {},
                             [](std::size_t, std::size_t) {
-                              int* volatile one = new int(1);  // volatile, or the compiler leaves both pairs out
+                              int* volatile one = new int(1);  // volatile, or the compiler removes both pairs
                               delete one;
                               void* volatile other = std::malloc(100);
                               std::free(other);
