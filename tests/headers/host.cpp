@@ -1,5 +1,5 @@
-// A host that calls a good part of the interface with GLM's own vectors, and prints the bits of what comes back. It is
-// built twice, with GLM's macros and without: the library that both link must give them the same numbers, so no type
+// A host that calls a large part of the interface with GLM's vectors and prints the bits of the results. It is built
+// twice, with GLM's macros and without. Both link the same library and must get the same numbers from it, so no type
 // that they share with it may change with a macro.
 #include <bit>
 #include <chrono>
@@ -19,7 +19,7 @@
 #include "welkin/welkin.hpp"
 
 #if defined(GLM_FORCE_DEFAULT_ALIGNED_GENTYPES)
-// Else the macros have done nothing, and the test says nothing.
+// Otherwise the macros have had no effect, and the test proves nothing.
 static_assert(sizeof(glm::dvec3) != sizeof(welkin::dvec3) && sizeof(glm::dmat3) != sizeof(welkin::dmat3));
 static_assert(sizeof(glm::vec3) != sizeof(welkin::vec3));
 #endif
@@ -33,7 +33,7 @@ void print(const char* what, double value) {
   std::printf("%s %016llx %.9g\n", what, static_cast<unsigned long long>(std::bit_cast<std::uint64_t>(value)), value);
 }
 
-/// Results arrive in the host's own vectors, whatever those are.
+/// Results arrive in the host's vectors, whatever those are.
 void print(const char* what, const glm::dvec3& value) {
   for (int i = 0; i < 3; ++i) print(what, static_cast<double>(value[i]));
 }
@@ -54,7 +54,7 @@ void print(const char* what, std::span<const float> values) {
   print(what, sum);
 }
 
-/// Several of these.
+/// Prints several results.
 template <class... Values>
 requires(sizeof...(Values) > 1) void print(const char* what, const Values&... values) { (print(what, values), ...); }
 
@@ -83,7 +83,7 @@ welkin::LatLongImage panorama() {
 }
 
 void call_harmonics(const welkin::SphericalHarmonics& light) {
-  // Written out: what the host computes by itself may be rounded in another way under a macro.
+  // Written out, because the host's own arithmetic may be rounded differently under a macro.
   const glm::dvec3 direction(0.36, -0.48, 0.8);
   const glm::dquat quaternion(0.4, 0.2, -0.4, 0.8);
   const glm::dmat3 matrix(0.6, 0.0, 0.8, 0.0, 1.0, 0.0, 0.8, 0.0, -0.6);

@@ -1,5 +1,5 @@
-// Prints hashes of what welkin::core computes: `core_hashes`. What is on record is in core_hashes.txt, which the build
-// on x86-64 made; every other processor, system, compiler and number of threads must print the same lines.
+// Prints hashes of the results of welkin::core: `core_hashes`. The record, core_hashes.txt, is from a build on x86-64;
+// every other processor, system, compiler and number of threads must print the same lines.
 #include <memory>
 #include <vector>
 
@@ -74,7 +74,7 @@ void reflections() {
   const Cubemap cube = cubemap(32, 12);
   print("prefilter/spectral",
         prefilter_specular(cube.view(), {.size = 32, .method = PrefilterMethod::spectral}).cubemap);
-  // Light so faint that factors of it are denormal numbers: there is no flag on every processor that flushes them.
+  // Light so faint that factors of it are denormal numbers, which not every processor can flush to zero.
   for (const int decades : {20, 27, 34, 40}) {
     float scale = 1.0F;
     for (int k = 0; k < decades; ++k) scale *= 0.1F;

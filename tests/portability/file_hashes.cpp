@@ -1,4 +1,4 @@
-// Prints hashes of what welkin::files reads and writes without any codec of others: `file_hashes`. See core_hashes.cpp.
+// Prints hashes of the formats that need no third-party codec in welkin::files: `file_hashes`. See core_hashes.cpp.
 #include <cstddef>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
-// Hashes of results, one a line, for builds of any processor and system to be compared with what is on record. Only
-// public headers, and nothing that a small standard library may lack.
+// Prints hashes of results, one per line, so that builds for any processor and system can be compared with the record.
+// Uses only public headers and nothing that a small standard library may lack.
 #pragma once
 
 #include <cmath>
@@ -16,10 +16,10 @@
 
 namespace welkin::portability {
 
-/// The sizes at which results are taken: odd ones, and one on either side of where tables or tiles begin to matter.
+/// The sizes of results: odd ones, and one on either side of the size at which tables or tiles begin to matter.
 inline constexpr int kSizes[] = {1, 2, 7, 64, 257};
 
-/// FNV-1a, a byte at a time.
+/// An FNV-1a hash, byte by byte.
 class Hash {
  public:
   void add(const void* bytes, std::size_t count) {
@@ -27,7 +27,7 @@ class Hash {
       value_ = (value_ ^ static_cast<const std::uint8_t*>(bytes)[k]) * 0x100000001b3U;
     }
   }
-  /// Zeros keep their sign; all NaNs are one, because which it is is the processor's choice.
+  /// Zeros keep their sign; all NaNs hash alike, because the processor chooses their bits.
   void add(double number) {
     if (std::isnan(number)) number = 0x7FFp9;
     add(&number, sizeof number);
@@ -65,13 +65,13 @@ template <class... Results>
   return hash.value();
 }
 
-/// A line of the record: `name hash`.
+/// Prints a line of the record: `name hash`.
 template <class... Results>
 void print(const std::string& name, const Results&... results) {
   std::printf("%s %016llx\n", name.c_str(), static_cast<unsigned long long>(hash_of(results...)));
 }
 
-/// Numbers that look random and are the same everywhere.
+/// Pseudo-random numbers that are the same on every platform.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : state_(seed * 2 + 1) {}
@@ -80,14 +80,14 @@ class Numbers {
     state_ = state_ * 6364136223846793005U + 1442695040888963407U;
     return static_cast<std::uint32_t>(state_ >> 33U);
   }
-  /// In [0, 1): 24 bits.
+  /// Returns a number in [0, 1) with 24 bits.
   float unit() { return static_cast<float>(bits() & 0xFFFFFFU) * 0x1p-24F; }
 
  private:
   std::uint64_t state_;
 };
 
-/// Values of a sky with a sun: most below 1, one in 509 some hundreds, all times `scale`.
+/// Values of a sky with a sun: most are below 1, one in 509 is several hundred, and all are scaled by `scale`.
 inline std::vector<float> radiances(std::size_t count, std::uint64_t seed, float scale = 1.0F) {
   Numbers numbers(seed);
   std::vector<float> values(count);
@@ -107,7 +107,7 @@ inline LatLongImage lat_long(int height, std::uint64_t seed, float scale = 1.0F)
   return {2 * height, height, radiances(std::size_t{6} * static_cast<std::size_t>(height * height), seed, scale)};
 }
 
-/// Bytes of any meaning as faces of a format.
+/// Interprets bytes as faces of a format.
 inline CubemapView faces_of(const std::vector<std::uint8_t>& bytes, int size, PixelFormat format) {
   CubemapView view{{}, size, 0, format};
   const std::size_t face = static_cast<std::size_t>(size * size) * bytes_per_texel(format);
@@ -115,7 +115,7 @@ inline CubemapView faces_of(const std::vector<std::uint8_t>& bytes, int size, Pi
   return view;
 }
 
-/// Bytes for `faces_of`. Halves keep their exponent below that of infinities.
+/// Returns bytes for `faces_of`. Halves keep their exponent below that of infinities.
 inline std::vector<std::uint8_t> texel_bytes(int size, PixelFormat format, std::uint64_t seed) {
   Numbers numbers(seed);
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(6 * size * size) * bytes_per_texel(format));

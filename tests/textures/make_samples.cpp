@@ -1,6 +1,6 @@
 // Writes one file of each kind for other programs to read: texture_samples DIRECTORY
 //
-// Beside them chain.f32: the cubemap's floats, level after level, face after face, rows from the top, RGB; and
+// Also writes chain.f32 (the cubemap's RGB floats, level after level, face after face, rows from the top) and
 // lat_long.f32. Values are halves, from 2^-6 to 2^7, so that half formats hold them exactly.
 #include <Imath/half.h>
 
@@ -30,8 +30,8 @@ void write_floats(const std::filesystem::path& path, const float* values, std::s
   stream.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(float)));
 }
 
-/// Blocks of ASTC and UASTC, and texels of each level as our own reader decodes them. In a build without astcenc there
-/// are none.
+/// Writes blocks of ASTC and UASTC, and the texels of each level as Welkin's reader decodes them; none in a build
+/// without astcenc.
 void write_astc(const std::filesystem::path& directory, const Cubemap& chain) {
   const std::pair<TexelFormat, const char*> formats[] = {{TexelFormat::astc_4x4_hdr, "astc4x4"},
                                                          {TexelFormat::astc_6x6_hdr, "astc6x6"},
@@ -66,7 +66,7 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
     write_texture(directory / (std::string(name) + ".dds"), chain.views(), {format});
     write_texture(directory / (std::string(name) + ".ktx"), chain.views(), {format, {}, {{"sh", "1 2 3\n"}}});
   }
-  // Blocks of BC6H, and the same texels as our own reader decodes them.
+  // Blocks of BC6H, and their texels as Welkin's reader decodes them.
   const TextureOptions blocks{.format = TexelFormat::bc6h_ufloat};
   for (const char* name : {"bc6h.dds", "bc6h.ktx", "bc6h.ktx2"}) write_texture(directory / name, chain.views(), blocks);
   const Cubemap decoded = read_texture(directory / "bc6h.dds").cubemap;
@@ -82,7 +82,7 @@ void write_textures(const std::filesystem::path& directory, const Cubemap& chain
   write_texture(directory / "float.exr", chain.views(), {TexelFormat::rgba32f});
 }
 
-/// A map with its levels in one image, and the volumes of a grid of probes.
+/// Writes a map with its levels in one image, and the volumes of a grid of probes.
 void write_images(const std::filesystem::path& directory, const Cubemap& chain) {
   const OctahedralMap map = to_octahedral(chain, {.size = 16, .levels = 3});
   std::vector<float> values;
