@@ -10,7 +10,7 @@
 using namespace welkin;
 using namespace welkin::test;
 
-// `welkin bake`: the folder holds what the manifest says, and the files hold what was asked for.
+// `welkin bake`: the folder holds the files of the manifest, and the files hold the requested results.
 
 namespace {
 
@@ -142,7 +142,7 @@ TEST_CASE("bake: --rms-error bounds reflections and irradiance, and the manifest
   CHECK(said("--irradiance-method harmonics").at("irradiance_method") == "harmonics");
   CHECK(irradiance() != truth);
   static_cast<void>(said("--rms-error 1e-6 --method reference --roughness 0,1"));
-  CHECK(irradiance() == truth);  // no harmonics are that exact
+  CHECK(irradiance() == truth);  // harmonics are never that exact
   CHECK(said("--quality reference --roughness 0,1").at("method") == "reference");
   CHECK(irradiance() == truth);
 }
@@ -225,7 +225,7 @@ TEST_CASE("bake: --ktx2-format bc6h, astc4x4 and astc6x6 pack background and ref
     for (const std::string name : {"background", "specular"}) {
       CHECK(file_of(manifest, name + ".ktx2").at("format") == "KTX2 " + word);
       CHECK(file_of(manifest, name + ".dds").at("format") == (in_dds ? "DDS bc6h" : "DDS rgba16f"));
-      // The very blocks that the library makes of the same floats, with the effort that was asked for.
+      // The blocks equal those that the library makes of the same floats with the requested effort.
       const CubemapTexture given = read_texture(floats / (name + ".ktx2"));
       std::vector<std::byte> bytes;
       write_texture({bytes, "wanted.ktx2"}, given.cubemap.views(), options);

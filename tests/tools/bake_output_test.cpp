@@ -12,7 +12,7 @@ using namespace welkin::test;
 
 namespace {
 
-/// A PNG as light.
+/// A PNG, read as linear light.
 class Preview {
  public:
   explicit Preview(const std::filesystem::path& path) : image_(read_environment(path, {.layout = Layout::lat_long})) {}
@@ -20,7 +20,7 @@ class Preview {
   [[nodiscard]] int width() const { return image_.info.width; }
   [[nodiscard]] int height() const { return image_.info.height; }
 
-  /// At a place in units of `unit` pixels from the upper left.
+  /// Returns the light at a position in units of `unit` pixels from the upper left.
   [[nodiscard]] std::array<float, 3> at(double x, double y, int unit = 1) const {
     const auto column = static_cast<std::size_t>(x * unit);
     const auto row = static_cast<std::size_t>(y * unit);
@@ -41,12 +41,12 @@ std::filesystem::path write_directions(const std::filesystem::path& folder) {
 }
 
 constexpr int kHeight = 512;  // of the panorama
-constexpr int kSphere = 256;  // and of what lies around it:
+constexpr int kSphere = 256;  // of a sphere, followed by the pitch of its cells:
 constexpr int kPitch = 288;
 constexpr int kRow = 320;
 
-/// Of a preview of spheres: at a place of the sphere in that column and row, whose middle is (0, 0) and whose rim 1
-/// away.
+/// Returns the light at (u, v) on the sphere in that column and row of a preview. The sphere's centre is (0, 0) and
+/// its radius 1.
 std::array<float, 3> on_sphere(const Preview& spheres, int column, int row, double u, double v) {
   return spheres.at(32.0 + (column + 0.5) * kPitch + 0.5 * kSphere * u, row * kRow + 0.5 * kPitch - 0.5 * kSphere * v);
 }
@@ -66,7 +66,7 @@ TEST_CASE(
   CHECK(at(0.5, 0.5)[0] > 1.5F * at(1.5, 0.5)[0]);   // +x to the left, -x to the right
   CHECK(at(1.0, 0.05)[1] > 1.5F * at(1.0, 0.9)[1]);  // +y above, -y below
   CHECK(at(1.0, 0.5)[2] > 1.5F * at(0.02, 0.5)[2]);  // +z in front, -z behind
-  // Without a seam: the directions change slowly, so that neighbours are alike, across the cube's edges too.
+  // There is no seam: directions change slowly, so that neighbours are alike, also across the cube's edges.
   for (double x = 0.1; x < 1.9; x += 0.01) {
     for (std::size_t channel = 0; channel < 3; ++channel) {
       CHECK(std::abs(at(x, 0.3)[channel] - at(x + 0.004, 0.3)[channel]) < 0.02F);
@@ -87,7 +87,7 @@ TEST_CASE(
   }
 }
 
-// Promise: the exposure shows what is lit, whatever else is in the image, or is what --exposure says.
+// Promise: the exposure shows the lit part of any image, or is the value of --exposure.
 
 namespace {
 
@@ -121,7 +121,7 @@ TEST_CASE("bake: neither black surroundings nor a sun pull the exposure", "[tool
   CHECK(exposure_of(half_lit(0.3, 0.5F, 0.0F, 0.5F)) == Approx(even).epsilon(1e-3));
   CHECK(exposure_of(half_lit(1.0, 0.5F, 0.5F, 1e6F)) == Approx(even).epsilon(0.1));  // a sun
   CHECK(exposure_of(half_lit(0.0, 0.0F, 0.0F, 5.0F)) < 10.0);                        // nothing but a lamp
-  // As a camera's stops: 2^EV, whatever is there.
+  // --exposure is in a camera's stops: the factor is 2^EV for any image.
   CHECK(exposure_of(grey_image(64, 32, 0.5F), " --exposure -1.5") == Approx(std::exp2(-1.5)));
   CHECK(exposure_of(grey_image(64, 32, 500.0F), " --exposure 0") == 1.0);
   CHECK(run_welkin("bake " + quoted(in) + " --exposure bright -o " + quoted(scratch.path() / "no")).exit_code == 2);

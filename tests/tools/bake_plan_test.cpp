@@ -35,7 +35,7 @@ TEST_CASE("A bake leaves out what the scene does not need and keeps the rest", "
     INFO(name);
     CHECK(file_text(folder.path() / "some" / name) == file_text(folder.path() / "all" / name));
   }
-  // Beside a chain irradiance shares its transform: it differs by less than the half floats' last digit.
+  // Irradiance with a chain shares its transform: it differs by less than the last digit of half floats.
   const Cubemap alone = read_texture(folder.path() / "some" / "irradiance.ktx2").cubemap;
   const Cubemap beside = read_texture(folder.path() / "all" / "irradiance.ktx2").cubemap;
   REQUIRE(alone.pixels().size() == beside.pixels().size());
@@ -79,7 +79,7 @@ TEST_CASE("A bake explains itself", "[command][plan][slow]") {
   const CommandResult after = run_welkin(bake + " --explain");
   INFO(after.errors);
   CHECK(after.exit_code == 0);
-  CHECK(contains(after.errors, "Plan for"));  // before it begins
+  CHECK(contains(after.errors, "Plan for"));  // printed before the bake begins
   CHECK(!contains(after.errors, "measured ms"));
   CHECK(contains(after.output, "measured ms"));
   const CommandResult json = run_welkin(bake + " --explain --json");
@@ -120,7 +120,7 @@ TEST_CASE("Bad needs are refused by the key's name", "[command][plan]") {
   CHECK(refused("{", "JSON"));
 }
 
-// `--cache`: the second run's files are the first one's, and say that they were not made again.
+// `--cache`: the second run's files equal those of the first, and state that they were not made again.
 
 namespace {
 
@@ -135,7 +135,7 @@ std::string action_of(const nlohmann::json& passes, const std::string& name) {
   return "none";
 }
 
-/// All that two folders hold, but for times and notes.
+/// Compares all files of two folders except times and notes.
 void check_same_folders(const std::filesystem::path& a, const std::filesystem::path& b) {
   check_same_files(a, b);
   nlohmann::json first = manifest_of(a);
@@ -169,7 +169,7 @@ TEST_CASE("A bake with a cache gives the same files, and the second time makes n
   CHECK(action_of(second.at("times"), "cache") == "reuse");
   CHECK(second.at("notes") == without.at("notes"));
 
-  // One that is explained looks for each pass.
+  // An explained bake looks up each pass.
   REQUIRE(
       run_welkin("bake " + bake + with_cache(folder) + " --explain -o " + quoted(folder.path() / "third")).exit_code ==
       0);

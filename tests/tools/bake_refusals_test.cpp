@@ -5,7 +5,7 @@
 using namespace welkin;
 using namespace welkin::test;
 
-// `welkin bake`: what it refuses, with which exit code and words, and that it then leaves everything as it was.
+// Refusals of `welkin bake`: the exit codes and messages, and that every file stays as it was.
 
 namespace {
 
@@ -27,7 +27,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
     CHECK(contains(message, "would write over it"));
     CHECK(contains(message, "another folder"));
     CHECK((file_text(kept) == before));
-    CHECK(std::filesystem::exists(own / "manifest.json"));  // the old folder is as good as it was
+    CHECK(std::filesystem::exists(own / "manifest.json"));  // the old folder stays complete
   };
   for (const std::string& name : names_in(own)) {
     if (name == "manifest.json" || name.substr(0, 3) == "sh." || name.substr(0, 5) == "brdf.") continue;  // no spheres
@@ -37,7 +37,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   }
   refused(quoted(own / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
 
-  // By other names: a link there, a link here, a way round.
+  // Other names of the input: a link to it, a link from the folder, a roundabout path.
   std::filesystem::create_symlink(own / "environment.hdr", scratch.path() / "link.hdr");
   refused(quoted(scratch.path() / "link.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
   refused(quoted(own / ".." / "own" / "environment.hdr"), quoted(own), " --formats hdr", own / "environment.hdr");
@@ -47,7 +47,7 @@ TEST_CASE("bake: an input that would be written over is refused before any work,
   std::filesystem::create_symlink(photograph, own / "environment.hdr");
   refused(quoted(photograph), quoted(own), " --formats hdr", photograph);
 
-  // What is not written may be read from there.
+  // A file that is not written may be read from the folder.
   bake_into(own, quoted(own / "environment.exr") + " --formats ktx2 --no-previews" + kSmall);
 }
 

@@ -8,7 +8,7 @@ namespace welkin::test {
 
 inline constexpr const char* kFewFiles = " --size 8 --mips 2 --irradiance 4 --no-brdf --no-previews ";
 
-/// An image that no other `number` has.
+/// Writes an image that is different for every `number`.
 inline void write_image(const std::filesystem::path& path, int number, int width = 16) {
   std::vector<float> rgb = grey_image(width, width / 2, 0.5F);
   for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] += 0.25F * static_cast<float>((i * 7 + i / 5) % 3);

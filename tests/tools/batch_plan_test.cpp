@@ -221,19 +221,19 @@ TEST_CASE("Shards are cut by predicted cost, the same by everyone", "[command][b
   const auto cut = cut_of(batch, kShards);
   std::vector<std::size_t> all;
   double largest = 0.0;
-  double least = 1e9;
+  double minimum = 1e9;
   for (const auto& shard : cut) {
     double load = 0.0;
     for (const std::size_t job : shard) load += seconds[job];
     largest = std::max(largest, load);
-    least = std::min(least, load);
+    minimum = std::min(minimum, load);
     all.insert(all.end(), shard.begin(), shard.end());
   }
   std::ranges::sort(all);
   std::vector<std::size_t> each(seconds.size());
   std::iota(each.begin(), each.end(), std::size_t{0});
   CHECK(all == each);
-  CHECK(largest <= 1.05 * least);
+  CHECK(largest <= 1.05 * minimum);
   // Another process, another order of runs.
   std::filesystem::remove_all(batch.results());
   CHECK(cut_of(batch, kShards) == cut);
@@ -255,20 +255,20 @@ TEST_CASE("A damaged plan is an error that names it", "[command][batch][slow]") 
   const nlohmann::json plan = json_of(text);
   const std::array<nlohmann::json, 7> values = {
       nullptr, -1, 1e300, "../../x", nlohmann::json::array({"--no-such"}), true, nlohmann::json::object()};
-  for (const char* place :
+  for (const char* pointer :
        {"/schema", "/version", "/jobs", "/jobs/0", "/jobs/0/name", "/jobs/0/input", "/jobs/0/options",
         "/jobs/0/options/0", "/jobs/0/seconds", "/jobs/0/size", "/jobs/0/memory", "/totals"}) {
     for (std::size_t k = 0; k < values.size(); k += static_cast<std::size_t>(stride(2))) {
       nlohmann::json damaged = plan;
-      damaged[nlohmann::json::json_pointer(place)] = values.at(k);
+      damaged[nlohmann::json::json_pointer(pointer)] = values.at(k);
       run(damaged.dump());
     }
   }
-  for (const char* place : {"/schema", "/version", "/jobs/0/name", "/jobs/0/seconds"}) {
+  for (const char* pointer : {"/schema", "/version", "/jobs/0/name", "/jobs/0/seconds"}) {
     nlohmann::json damaged = plan;
-    damaged[nlohmann::json::json_pointer(place)] = nullptr;
+    damaged[nlohmann::json::json_pointer(pointer)] = nullptr;
     std::ofstream(batch.jobs()) << damaged;
-    INFO(place);
+    INFO(pointer);
     const CommandResult result = batch.run("run");
     CHECK(result.exit_code == 1);
     CHECK(contains(result.errors, "jobs.json"));

@@ -4,8 +4,8 @@
 using namespace welkin;
 using namespace welkin::test;
 
-// `welkin batch run`, `status` and `merge`: results are those of single bakes, whole, made once, checked byte by byte;
-// what fails is told and stops nothing else.
+// `welkin batch run`, `status` and `merge`: results are those of single bakes, whole, made once, checked byte by byte.
+// Failures are reported and stop nothing else.
 
 namespace {
 
@@ -34,7 +34,7 @@ TEST_CASE("A batch's results are those of single bakes", "[command][batch]") {
     INFO(name);
     CHECK(file_text(result / name) == file_text(batch.path() / "single" / name));
   }
-  // And nothing in them depends on where and when they were made.
+  // Nothing in them depends on where and when they were made.
   const nlohmann::json manifest = manifest_of(result);
   CHECK(!manifest.contains("times"));
   CHECK(manifest.at("source").at("path") == "environment");
@@ -102,7 +102,7 @@ TEST_CASE("An input that fails is told, and stops no other", "[command][batch]")
   CHECK(contains(merge.errors, "gone"));
   CHECK(contains(merge.errors, "image101"));
   CHECK(!std::filesystem::exists(batch.path() / "index"));
-  // Mended, it is done, and the failure is forgotten.
+  // Once the input is repaired, the job succeeds and the failure is dropped.
   write_image(batch.input() / "gone.pfm", 50);
   write_image(batch.input() / "image101.pfm", 1);
   CHECK(batch.run_well("run").at("computed") == 2);
@@ -142,10 +142,10 @@ TEST_CASE("Merging looks at every byte", "[command][batch][slow]") {
     CHECK(damaged.exit_code == 1);
     CHECK(contains(damaged.errors, name));
     CHECK(contains(damaged.errors, "1 result of 3"));
-    damage(result / name);  // which mends it
+    damage(result / name);  // damages the same byte again, which restores it
   }
   CHECK(batch.run("merge", merge).exit_code == 0);
-  // A list that names files elsewhere is not believed.
+  // A list that names files elsewhere is refused.
   nlohmann::json list = json_of(file_text(result / "result.json"));
   list["files"][0]["name"] = "../x";
   std::ofstream(result / "result.json") << list;
@@ -227,7 +227,7 @@ TEST_CASE("Results are computed once more, on another shard, and compared", "[co
   CHECK(outcome.at("differs") == 1);
   CHECK(outcome.at("verified") == 7);
   CHECK(batch.run("status").exit_code == 1);
-  CHECK(batch.run_well("run").at("computed") == 1);  // anew
+  CHECK(batch.run_well("run").at("computed") == 1);  // the damaged result again
   CHECK(batch.run("status").exit_code == 0);
 }
 
@@ -237,11 +237,11 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
   const nlohmann::json plan = batch.plan(quoted(batch.input()) + " --size 64 --irradiance 4 --no-brdf --no-previews");
   std::uint64_t largest = 0;
   for (const auto& job : plan.at("jobs")) largest = std::max(largest, job.at("memory").get<std::uint64_t>());
-  // Room for one, which gets all threads; and for three, each on a thread of its own.
+  // Memory for one job, which gets all threads, and for three jobs with one thread each.
   for (const std::uint64_t limit : {largest + largest / 4, 3 * largest + largest / 4}) {
     std::filesystem::remove_all(batch.results());
     CHECK(batch.run_well("run", "--threads 4 --memory " + std::to_string(limit)).at("computed") == 8);
-    const std::uint64_t most = limit / largest;  // of the large ones, side by side
+    const std::uint64_t most = limit / largest;  // large jobs that may overlap
     const auto records = batch.records();
     for (const auto& [name, one] : records) {
       std::size_t large = 0;
@@ -254,7 +254,7 @@ TEST_CASE("Bakes that run at the same time stay below the memory that they may t
       CHECK(large <= most);
     }
   }
-  // What is too much by itself fails, and the others do not.
+  // Every job that exceeds the limit by itself fails.
   std::filesystem::remove_all(batch.results());
   const nlohmann::json outcome = batch.run_well("run", "--memory 2MiB", 1);
   CHECK(outcome.at("failed") == 8);

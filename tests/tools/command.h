@@ -14,10 +14,10 @@ struct CommandResult {
   std::string errors;  ///< standard error
 };
 
-/// `arguments` as they would be typed; `environment` such as "WELKIN_ISA=sse2".
+/// Runs `welkin` with `arguments` as they would be typed; `environment` is such as "WELKIN_ISA=sse2".
 CommandResult run_welkin(const std::string& arguments, const std::string& environment = "");
 
-/// The same of another file, such as a copy of the program.
+/// Runs another file, such as a copy of the program.
 CommandResult run_program(const std::filesystem::path& program, const std::string& arguments,
                           const std::string& environment = "");
 
@@ -27,65 +27,65 @@ CommandResult run_script(const std::string& lines);
 /// JSON's parser and printer are compiled in command.cpp alone: they take seconds in each source that calls them.
 nlohmann::json json_of(const std::string& text);
 
-/// Runs `welkin ARGUMENTS`, requires success and silence on standard error; what it says on standard output.
+/// Runs `welkin ARGUMENTS`, requires success and an empty standard error; returns the standard output.
 std::string printed_by(const std::string& arguments, const std::string& environment = "");
 
-/// The same, parsed.
+/// Returns the output of `printed_by`, parsed as JSON.
 nlohmann::json json_printed_by(const std::string& arguments, const std::string& environment = "");
 
-/// Runs `welkin ARGUMENTS`, expects this exit code and nothing on standard output; what it says on standard error.
+/// Runs `welkin ARGUMENTS`, expects this exit code and an empty standard output; returns the standard error.
 std::string failure(const std::string& arguments, int exit_code, const std::string& environment = "");
 
-/// Options and values that they do not take.
+/// Options, and values that they refuse.
 using BadValues = std::map<std::string, std::vector<std::string>>;
 
 /// Runs `welkin START OPTION VALUE` for each of them, expects exit code 2 and the option's name on standard error.
 void check_refused(const std::string& start, const BadValues& options);
 
-/// That of `welkin sh --json` with more arguments.
+/// Returns the JSON of `welkin sh --json` with more arguments.
 nlohmann::json run_sh_json(const std::string& arguments, const std::string& environment = "");
 
-/// The same without what no two runs share: the passes' times.
+/// Returns the JSON of `run_sh_json` without the passes' times, which differ in every run.
 nlohmann::json run_sh_json_without_times(const std::string& arguments, const std::string& environment = "");
 
 bool contains(std::string_view text, std::string_view part);
 
-/// A path in single quotes, for `arguments`.
+/// Returns a path in single quotes, for `arguments`.
 std::string quoted(const std::filesystem::path& path);
 
 /// Writes a small PFM file, the simplest format that the command reads. `rgb`: width x height x 3 floats, row 0 on top
 /// (PFM keeps its rows bottom-up). Little-endian.
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& rgb);
 
-/// An image of 64 x 32 texels, bright on one side, in quotes for `arguments`: for promises about any light. (The
-/// built-in sky is computed by each run that asks for it.) All its harmonics of three bands differ from 0.
+/// Returns the quoted path of an image of 64 x 32 texels, bright on one side, for tests with any light. (The built-in
+/// sky is computed in each run that uses it.) All its harmonics of three bands differ from 0.
 const std::string& small_image();
 
-/// All pixels of an image, or of six faces.
+/// Returns all pixels of an image, or of six faces.
 std::vector<float> pixels_in(const std::filesystem::path& file);
 
-/// The same grey everywhere.
+/// Returns an image of one grey.
 std::vector<float> grey_image(int width, int height, float value);
 
-/// Requires that the file is there.
+/// Returns the content of a file; requires that it exists.
 std::string file_text(const std::filesystem::path& path);
 
 nlohmann::json manifest_of(const std::filesystem::path& folder);
 
-/// Runs `welkin bake ARGUMENTS -o FOLDER`, requires success and silence on standard error; the manifest.
+/// Runs `welkin bake ARGUMENTS -o FOLDER`, requires success and an empty standard error; returns the manifest.
 nlohmann::json bake_into(const std::filesystem::path& folder, const std::string& arguments,
                          const std::string& environment = "");
 
 std::vector<std::string> names_in(const std::filesystem::path& folder);
 
-/// Checks that two folders have files of the same names, and but for those left out the same bytes in them.
+/// Checks that two folders have files of the same names, and that all but those left out have the same bytes.
 void check_same_files(const std::filesystem::path& folder, const std::filesystem::path& expected,
                       const std::set<std::string>& left_out = {"manifest.json"});
 
-/// Those of the manifest, and the manifest itself.
+/// Returns the names of the manifest's files and of the manifest itself.
 std::vector<std::string> names_of(const nlohmann::json& manifest);
 
-/// The manifest's entry for a file.
+/// Returns the manifest's entry for a file.
 nlohmann::json file_of(const nlohmann::json& manifest, const std::string& name);
 
 }  // namespace welkin::test

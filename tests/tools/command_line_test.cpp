@@ -17,7 +17,7 @@ TEST_CASE("command: --version tells version and instruction sets", "[tools]") {
   CHECK(contains(run_welkin("--version", "WELKIN_ISA=" + narrowest).output, "in use: " + narrowest));
 }
 
-// The command says by its exit code who is to blame, and says why on standard error alone.
+// The exit code states the kind of error; the reason is printed on standard error only.
 
 TEST_CASE("command: bad usage exits with 2", "[tools]") {
   CHECK(contains(failure("", 2), "nothing to do"));
@@ -86,7 +86,7 @@ TEST_CASE("command: a full device exits with 1", "[tools][posix]") {
 
 TEST_CASE("command: files whose names have characters of any language are written, read and named", "[command][slow]") {
   const TemporaryDirectory folder;
-  // Of two, three and four bytes in UTF-8; the last is a pair in UTF-16.
+  // Characters of two, three and four bytes in UTF-8; those of four bytes are pairs in UTF-16.
   for (const char* const name : {"H\xC3\xB6he.pfm", "\xE5\xA4\xA9\xE7\xA9\xBA.pfm", "\xF0\x9F\x8C\x84 sunrise.pfm"}) {
     CAPTURE(name);
     const std::filesystem::path path = folder.path() / platform::path_of(name);

@@ -11,7 +11,7 @@
 using namespace welkin;
 using namespace welkin::test;
 
-// `welkin convert` and `welkin testmap`: what they write, what they say, and what they leave alone.
+// `welkin convert` and `welkin testmap`: the files and messages that they write, and the files that they leave alone.
 
 TEST_CASE("command: convert leaves every texel as it is where nothing asks for more", "[tools][convert]") {
   const TemporaryDirectory directory;
@@ -117,8 +117,8 @@ TEST_CASE("command: convert refuses with the right exit code", "[tools][convert]
 
 TEST_CASE("command: convert refuses an OUT that cannot be written before it decodes IN", "[tools][convert]") {
   const TemporaryDirectory folder;
-  // A sound header and first scanline (its form is looked at when the file is opened), and no sound one after that:
-  // whoever decodes it says so instead.
+  // The header and the first scanline are valid (its form is read when the file is opened), and no later scanline is:
+  // decoding would report that error instead.
   const auto in = folder.path() / "in.hdr";
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10 +X 20\n";
   bytes += {'\2', '\2', '\0', '\24'};

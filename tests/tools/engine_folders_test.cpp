@@ -21,7 +21,7 @@ using Names = std::vector<std::string>;
 
 constexpr const char* kSmall = " --size 32 --irradiance 8 --brdf 8 ";
 
-/// What is there beside the files that all folders have.
+/// Returns the files of each engine's folder in addition to those that all folders have.
 const std::map<std::string, Names>& folders() {
   static const std::map<std::string, Names> all = {
       {"three", {"specular.dds", "specular.ktx2", "specular_uastc.ktx2"}},
@@ -343,7 +343,7 @@ TEST_CASE("bake --for gltf: the light is a .glb whose images are the chain and w
   }
   CHECK(k == 9);
 
-  // The same chain in glTF's faces, mirrored in x. RGBD ends at 255, below the sun, and is off by 1 % at most.
+  // The file has that chain in glTF's faces, mirrored in x. RGBD ends at 255, below the sun; its error is at most 1 %.
   const std::string list = "0," + std::to_string(std::pow(32.0, -0.25)) + ",1";
   const auto chain = scratch.path() / "chain";
   bake_into(chain, bake + "--formats ktx2 --ktx2-format rgba32f --roughness " + list);

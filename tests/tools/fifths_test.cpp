@@ -102,7 +102,7 @@ struct Atlas {
 };
 
 /// A rectangle of the atlas as the shader has it, in units of the atlas' edge.
-struct Place {
+struct AtlasRectangle {
   double left;
   double top;
   double width;
@@ -112,31 +112,31 @@ struct Place {
 constexpr double kSeam = 1.0 / 512.0;  // `seamSize`, whatever the size of the atlas
 
 /// Where mapUv is inverted: the direction that the shader reads at a point of the atlas.
-dvec3 read_at(const Place& place, double x, double y) {
-  return playcanvas_direction((x - place.left - kSeam) / (place.width - 2.0 * kSeam),
-                              (y - place.top - kSeam) / (place.height - 2.0 * kSeam));
+dvec3 read_at(const AtlasRectangle& rectangle, double x, double y) {
+  return playcanvas_direction((x - rectangle.left - kSeam) / (rectangle.width - 2.0 * kSeam),
+                              (y - rectangle.top - kSeam) / (rectangle.height - 2.0 * kSeam));
 }
 
 /// Largest distance of the root of radiance, in steps of the texel's RGBP, over the rectangle: at a texel's centre, or
 /// over its area for levels that are to be looked at through a reflection's footprint.
-double farthest(const Atlas& atlas, const Place& place, const Light& light, int samples) {
+double farthest(const Atlas& atlas, const AtlasRectangle& rectangle, const Light& light, int samples) {
   const int edge = atlas.size;
-  const int stride = std::max(1, static_cast<int>(place.width * edge) / 96);
+  const int stride = std::max(1, static_cast<int>(rectangle.width * edge) / 96);
   double most = 0.0;
-  for (int row = 0; row < static_cast<int>(place.height * edge); row += stride) {
-    for (int column = 0; column < static_cast<int>(place.width * edge); column += stride) {
+  for (int row = 0; row < static_cast<int>(rectangle.height * edge); row += stride) {
+    for (int column = 0; column < static_cast<int>(rectangle.width * edge); column += stride) {
       dvec3 sum(0.0);
       double weight = 0.0;
       for (int sample = 0; sample < samples * samples; ++sample) {
-        const double x = place.left + (column + (sample % samples + 0.5) / samples) / edge;
-        const double y = place.top + (row + (sample / samples + 0.5) / samples) / edge;
-        const dvec3 d = read_at(place, x, y);
+        const double x = rectangle.left + (column + (sample % samples + 0.5) / samples) / edge;
+        const double y = rectangle.top + (row + (sample / samples + 0.5) / samples) / edge;
+        const dvec3 d = read_at(rectangle, x, y);
         const double area = std::hypot(d.x, d.z);
         sum += area * light.towards(d);
         weight += area;
       }
-      const std::uint8_t* const texel = atlas.texel(static_cast<int>(std::lround(place.left * edge)) + column,
-                                                    static_cast<int>(std::lround(place.top * edge)) + row);
+      const std::uint8_t* const texel = atlas.texel(static_cast<int>(std::lround(rectangle.left * edge)) + column,
+                                                    static_cast<int>(std::lround(rectangle.top * edge)) + row);
       const double step = (8.0 - 7.0 * texel[3] / 255.0) / 255.0;
       for (int channel = 0; channel < 3; ++channel)
         most = std::max(most, std::abs(texel[channel] - std::sqrt(sum[channel] / weight) / step));
@@ -145,17 +145,17 @@ double farthest(const Atlas& atlas, const Place& place, const Light& light, int 
   return most;
 }
 
-Place shiny(int level) {
+AtlasRectangle shiny(int level) {
   const double t = std::exp2(-level);
   return {1.0 - t, 1.0 - t, t, t / 2.0};
 }
 
-Place rough(int level) {
+AtlasRectangle rough(int level) {
   const double t = std::exp2(-level);
   return {0.0, 1.0 - t, t, t / 2.0};
 }
 
-constexpr Place kAmbient{128.0 / 512.0, 384.0 / 512.0, 64.0 / 512.0, 32.0 / 512.0};
+constexpr AtlasRectangle kAmbient{128.0 / 512.0, 384.0 / 512.0, 64.0 / 512.0, 32.0 / 512.0};
 
 /// A KTX 1 file of halves with six faces, read by its specification alone.
 struct Ktx {

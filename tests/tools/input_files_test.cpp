@@ -11,7 +11,7 @@
 
 using namespace welkin::test;
 
-// `welkin info` tells what is in a file, as it is there.
+// `welkin info` reports the content of a file unchanged.
 
 namespace {
 
@@ -79,7 +79,7 @@ TEST_CASE("info --json: total radiance is 4 pi times the mean", "[tools]") {
 
 namespace {
 
-/// Evenly chosen damages of every sound file, and the sound files themselves. Few of a kind unless all are asked for:
+/// Writes all sound files and evenly chosen damaged copies, a few of each kind unless a full run is requested:
 /// tests/files/hostile_files_test.cpp reads the same files in its own process with each cut, byte and field damaged.
 int write_corpus(const std::filesystem::path& folder, const std::filesystem::path& scratch) {
   const auto files_of_a_kind = static_cast<std::size_t>(24 / stride(6));

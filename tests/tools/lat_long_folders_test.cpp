@@ -52,12 +52,12 @@ TEST_CASE("bake --for: a lat-long that nothing turns or cleans is the source's o
     CHECK(said.at("width") == 100);
     CHECK(said.at("height") == 50);
   }
-  // Turns by whole columns and mirrors move pixels.
+  // Rotations by whole columns and mirrors only move pixels.
   const auto rotated = scratch.path() / "turned";
   bake_into(rotated, quoted(pfm) + " --for blender --yaw 90 --mirror" + kQuick);
   const glm::dmat3 rotation = rotation_about_y(90.0) * glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1);
   CHECK((pixels_in(rotated / "environment.exr") == to_lat_long(image.view(), 100, 50, rotation).pixels));
-  // Floats stay floats where that is asked for.
+  // Floats stay floats where the format requests it.
   LatLongImage fine = image;
   for (float& value : fine.pixels) value = std::nextafter(value, 1e9F);
   write_environment(pfm, fine.view());

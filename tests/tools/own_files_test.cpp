@@ -1,5 +1,5 @@
-// Where results go, and which files of a folder `welkin bake` and `welkin importance` replace and remove: those that
-// they wrote themselves.
+// The folders of results, and the files in them that `welkin bake` and `welkin importance` replace and remove: only
+// those that they wrote.
 #include "tools/command.h"
 
 using namespace welkin;
@@ -42,7 +42,7 @@ TEST_CASE("bake: a manifest.json of somebody else is refused before any work", "
                            R"({"name": "welkin", "files": ["a.js"]})"}) {
     write_text(folder / "manifest.json", text);
     check_refused(bake_line(folder), folder, "manifest.json");
-    // Before any work: the input is not looked at.
+    // Refused before any work: the input is not read.
     CHECK(contains(failure("bake missing.hdr -o " + quoted(folder), 1), "m"));
     CHECK(file_text(folder / "manifest.json") == text);
   }
@@ -123,17 +123,17 @@ TEST_CASE("bake: what an earlier bake wrote and this one does not is removed, if
   const std::string said = printed_by(bake_line(folder, "--for three"));
   CHECK(names_in(folder) == names_of(manifest_of(folder)));
   CHECK(contains(said, "note: removed, because an earlier 'bake' wrote it and this one does not: background.ktx2"));
-  // What has changed since stays, and is named.
+  // A file that has changed since stays and is named.
   write_text(folder / "specular.dds", "somebody's now");
   const CommandResult other = run_welkin(bake_line(folder, "--for unreal"));
   CHECK(contains(other.output,
                  "kept next to the new files, because it is read or has changed since an earlier 'bake' wrote it: "
                  "specular.dds"));
   CHECK(file_text(folder / "specular.dds") == "somebody's now");
-  // What is read stays, too.
+  // A file that is read stays as well.
   bake_into(folder, quoted(folder / "environment.hdr") + kSmall);
   CHECK(std::filesystem::exists(folder / "environment.hdr"));
-  // With a cache it is the same.
+  // A cache makes no difference.
   const auto input = scratch.path() / "in.hdr";
   std::filesystem::copy_file(folder / "environment.hdr", input);
   const auto cached = scratch.path() / "cached";
@@ -174,7 +174,7 @@ TEST_CASE("bake: a manifest that lies makes it remove nothing that is not a bake
   CHECK(std::filesystem::is_directory(folder / "phong.dds"));
 }
 
-// Where results go if -o names nothing: beside nobody else's files.
+// The folders of results without -o: never among the files of other programs or users.
 
 namespace {
 
@@ -186,7 +186,7 @@ struct Workplace {
     write_pfm(folder.path() / "hdr" / "city.pfm", 16, 8, grey_image(16, 8, 1.0F));
   }
   [[nodiscard]] std::string go() const { return "cd " + quoted(folder.path()) + " &&"; }
-  /// What is said on standard output.
+  /// Returns the standard output.
   std::string succeed(const std::string& arguments) const { return printed_by(arguments, go()); }
   [[nodiscard]] std::string refusal(const std::string& arguments, int code) const {
     return failure(arguments, code, go());
@@ -210,7 +210,7 @@ TEST_CASE("bake: without -o the folder has the input's name, and is said", "[too
 TEST_CASE("bake: without -o nobody else's folder or file is touched", "[tools][bake][posix][slow]") {
   const Workplace here;
   std::filesystem::create_directory(here.folder.path() / "city");
-  here.succeed(std::string("bake hdr/city.pfm") + kSmall);  // an empty folder is nobody's
+  here.succeed(std::string("bake hdr/city.pfm") + kSmall);  // an empty folder has no owner
   std::filesystem::remove(here.folder.path() / "city" / "manifest.json");
   const std::string message = here.refusal(std::string("bake hdr/city.pfm") + kSmall, 1);
   CHECK(contains(message, "city: is there and was not written by 'welkin bake'"));

@@ -13,7 +13,7 @@ using namespace welkin::test;
 
 namespace {
 
-/// What the command bakes and projects where no file is named, as the library makes it.
+/// Returns the library's version of the sky that the command uses without an input file.
 LatLongImage built_in_sky() {
   SkyTableOptions options{.heights = 8, .view_zeniths = 64, .sun_zeniths = 16};
   const SkyView view(std::make_shared<const SkyTables>(precompute_sky(earth(), options)), 0.0);
@@ -132,7 +132,7 @@ TEST_CASE("sh: the options reach the projection", "[tools][slow]") {
   check("--gamma", [](ProjectionOptions& options) { options.pixels.gamma = true; });
 }
 
-// `welkin sh` without --json: a table that says what its numbers are.
+// `welkin sh` without --json: a table that describes its numbers.
 
 TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tools]") {
   const std::string table = printed_by("sh --sky");
@@ -148,7 +148,7 @@ TEST_CASE("sh: the table says source, convention, terms and diagnostics", "[tool
 
 namespace {
 
-// The line "NAME r g b" of a text.
+// Returns the numbers of the line "NAME r g b" of a text.
 glm::dvec3 numbers_behind(const std::string& name, const std::string& text) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -161,7 +161,7 @@ glm::dvec3 numbers_behind(const std::string& name, const std::string& text) {
   return {};
 }
 
-// What a C program that includes the header prints for `expression`s, one a line.
+// Returns the output of a C program that includes the header and prints `expressions`, one per line.
 std::string printed_by_c(const std::string& header, const std::string& expressions) {
   const TemporaryDirectory folder;
   std::ofstream(folder.path() / "light.h") << header;
@@ -183,10 +183,10 @@ TEST_CASE("sh: text has a line a coefficient, every digit", "[tools][slow]") {
   const std::string text = printed_by("sh " + small_image() + " --bands 4 --format text");
   for (int l = 0; l < 4; ++l) {
     for (int m = -l; m <= l; ++m) {
-      const std::string place = '[' + std::to_string(l) + ',' + std::to_string(m) + ']';
+      const std::string index_text = '[' + std::to_string(l) + ',' + std::to_string(m) + ']';
       const std::size_t index = static_cast<std::size_t>(l * (l + 1) + m);
-      CHECK(numbers_behind("radiance" + place, text) == triple(json.at("radiance").at(index)));
-      CHECK(numbers_behind("irradiance" + place, text) == triple(json.at("irradiance").at(index)));
+      CHECK(numbers_behind("radiance" + index_text, text) == triple(json.at("radiance").at(index)));
+      CHECK(numbers_behind("irradiance" + index_text, text) == triple(json.at("irradiance").at(index)));
     }
   }
 }
@@ -328,7 +328,7 @@ TEST_CASE("convert: the map without its sun, plus the sun that is reported, is t
   CHECK(run_welkin("convert " + quoted(sky) + " " + quoted(rest) + " --sun-radius 10").exit_code == 2);
 }
 
-// `welkin sh` turns the light: --yaw, --mirror, --rotation, --from, --for.
+// `welkin sh` rotates light: --yaw, --mirror, --rotation, --from, --for.
 
 namespace {
 

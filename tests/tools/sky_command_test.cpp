@@ -220,7 +220,7 @@ TEST_CASE("sky: numbers out of range are refused by name, and options that do no
   CHECK_FALSE(std::filesystem::exists(folder.path() / "day.png"));
 }
 
-// `welkin sky --tables FILE`: made once, used again if they are what is asked for, never trusted blindly.
+// `welkin sky --tables FILE`: tables are made once, reused if they match the options, and always validated.
 
 namespace {
 
@@ -286,7 +286,7 @@ TEST_CASE("sky: a file that holds no sound tables is named and left as it is", "
   CHECK(contains(sky_failure(kSmallSky + "--tables " + quoted(folder.path()), 1), folder.path().filename().string()));
 }
 
-// `welkin sky -o DIR`: the bundle is that of `welkin bake` of the image that lies beside it.
+// `welkin sky -o DIR`: the bundle equals that of `welkin bake` of the image in the folder.
 
 namespace {
 
@@ -349,7 +349,7 @@ TEST_CASE("sky -o: sky.exr is the library's image, the sun left out unless asked
   }
 }
 
-// `welkin sky --sweep`: an image and a text beside it; days are bright and blue, dusk is red, nights are dark.
+// `welkin sky --sweep`: an image and a text file; days are bright and blue, dusk is red, nights are dark.
 
 namespace {
 

@@ -73,7 +73,7 @@ TEST_CASE("command: --quiet says nothing where all is well, --verbose what was d
     INFO(quiet);
     CHECK(printed_by(quiet).empty());
   }
-  CHECK(json_of(run_welkin(bake + " -q --json").output).contains("files"));  // which was asked for
+  CHECK(json_of(run_welkin(bake + " -q --json").output).contains("files"));  // --json overrides -q
   CHECK(contains(run_welkin("sh -q " + small_image()).output, "radiance"));
   const CommandResult verbose = run_welkin(bake + " --verbose");
   CHECK(contains(verbose.output, "manifest.json"));
@@ -151,7 +151,7 @@ TEST_CASE("command: - writes standard output, and nothing else there", "[tools]"
   CHECK(run_welkin("convert " + quoted(in) + " - --layout six-files").exit_code == 2);
 }
 
-// Promise: shells and man know what the tables know.
+// Promise: shell completion and man pages agree with the tables of options.
 
 TEST_CASE("command: bash completes commands, options and words", "[tools]") {
   const TemporaryDirectory folder;
@@ -250,7 +250,7 @@ TEST_CASE("bake: roughness is spread as the engine has it", "[tools][bake][slow]
   CHECK(roughness("--size 64 --for unreal --formats ktx2") == mip_roughness(RoughnessSchedule::unreal, 7, 64));
   CHECK(roughness("--size 64 --for unity --formats ktx2 --roughness linear") ==
         mip_roughness(RoughnessSchedule::linear, 5, 64));
-  // The same default in the library.
+  // The library has an equal default.
   const LatLongImage grey{16, 8, grey_image(16, 8, 1.0F)};
   std::vector<double> of_library;
   for (const MipRecord& mip : prefilter_specular(grey.view(), {.size = 64}).mips) of_library.push_back(mip.roughness);

@@ -1,5 +1,5 @@
-// The command where things go wrong around it: signals, killed runs, too few threads, pipes, its own input in its way,
-// names that would steer a terminal, files that ask for too much.
+// The command under adverse conditions: signals, killed runs, too few threads, pipes, outputs that would overwrite the
+// input, names that would control a terminal, files that need too much memory.
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -190,7 +190,7 @@ TEST_CASE("Standard streams that the caller has closed become nobody's", "[comma
   const auto run = [](const std::string& command, const std::string& closed) {
     return run_script("exec '" WELKIN_COMMAND "' " + command + ' ' + closed);
   };
-  // What --verbose says would otherwise go to whatever was opened first: to the pipe by which signals stop the work.
+  // The output of --verbose would otherwise go to the first opened file: the pipe by which signals stop the work.
   const std::string bake =
       "bake " + small_image() + " --size 16 --irradiance 4 --brdf 8 --formats ktx2 --preview-size 32 --verbose -o ";
   for (const std::string closed : {">&- 2>&-", "<&- >&- 2>&-", "<&- >&-", "2>&-"}) {
@@ -254,7 +254,7 @@ TEST_CASE("A sky writes over no file that it reads", "[command][unlucky][slow]")
   const std::string sky = "sky --table-size 8,16,16,4 --orders 2 ";
   const std::string sweep = " --sweep-tiles 2 --sweep-size 16 --sweep " + in("day.png");
   const std::string bake = " --size 16 --image-height 16 --irradiance 4 --brdf 8 --no-previews -o " + in("out");
-  // The text beside a sweep's image, the image of a bake.
+  // The text of a sweep, and the image of a bake.
   for (const auto& [name, rest] :
        {std::pair(std::string("day.txt"), sweep), std::pair(std::string("out/sky.exr"), bake)}) {
     write_text(folder.path() / name, air);
@@ -262,7 +262,7 @@ TEST_CASE("A sky writes over no file that it reads", "[command][unlucky][slow]")
     CHECK(contains(failure(sky + "--atmosphere " + in(name) + rest, 1), "is read, and"));
     CHECK(file_text(folder.path() / name) == air);
     std::filesystem::remove(folder.path() / name);
-    // Tables that are to be made there.
+    // Tables would overwrite the same file.
     CHECK(run_welkin(sky + "--tables " + in(name) + rest).exit_code == 1);
     CHECK_FALSE(std::filesystem::exists(folder.path() / name));
   }
