@@ -51,7 +51,7 @@ Cubemap smooth_chain(int size, int levels) {
   return chain;
 }
 
-std::size_t place(const std::vector<char>& bytes, int level) {
+std::size_t level_offset(const std::vector<char>& bytes, int level) {
   return number_at(bytes, 80 + 24 * static_cast<std::size_t>(level));
 }
 
@@ -93,10 +93,10 @@ TEST_CASE("headers of ASTC textures are as their specifications have them", "[co
     std::size_t end = bytes.size();
     for (int level = 0; level < 5; ++level) {
       const auto across = static_cast<std::size_t>((chain.level_size(level) + edge - 1) / edge);
-      CHECK(place(bytes, level) % 16 == 0);
+      CHECK(level_offset(bytes, level) % 16 == 0);
       CHECK(number_at(bytes, 88 + 24 * static_cast<std::size_t>(level)) == 6 * across * across * 16);
-      CHECK(place(bytes, level) + 6 * across * across * 16 == end);  // the largest level last, no gap
-      end = place(bytes, level);
+      CHECK(level_offset(bytes, level) + 6 * across * across * 16 == end);  // the largest level last, no gap
+      end = level_offset(bytes, level);
     }
   }
 }
@@ -141,7 +141,7 @@ TEST_CASE("blocks of ASTC lie where KTX2 has them and hold halves exactly", "[co
       for (std::size_t k = 0; k < blocks; ++k) {
         const auto block = block_of(colour_of(level, k));
         std::copy(block.begin(), block.end(),
-                  bytes.begin() + static_cast<std::ptrdiff_t>(place(bytes, level) + 16 * k));
+                  bytes.begin() + static_cast<std::ptrdiff_t>(level_offset(bytes, level) + 16 * k));
       }
     }
     write_bytes(path, bytes);
@@ -173,7 +173,7 @@ TEST_CASE("a block that ASTC does not define is NaN, and is reported as such", "
   const TemporaryFile path("sky.ktx2");
   write_texture(path, smooth_chain(8, 1).views(), in_astc(TexelFormat::astc_4x4_hdr));
   std::vector<char> bytes = read_bytes(path);
-  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(place(bytes, 0)), 16, '\0');
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(level_offset(bytes, 0)), 16, '\0');
   write_bytes(path, bytes);
   const CubemapTexture read = read_texture(path);
   CHECK(std::isnan(read.cubemap.face(0, 0)[0]));
@@ -318,8 +318,8 @@ TEST_CASE("blocks of every kind of UASTC HDR are read as astcenc reads them", "[
 
 TEST_CASE("ends of lines in UASTC HDR are stored near to what was wanted", "[image][uastc]") {
   std::mt19937 random(5);
-  const auto number = [&](double least, double most) {
-    return static_cast<float>(std::uniform_real_distribution<double>(least, most)(random));
+  const auto number = [&](double low, double high) {
+    return static_cast<float>(std::uniform_real_distribution<double>(low, high)(random));
   };
   double largest = 0.0;
   double sum = 0.0;

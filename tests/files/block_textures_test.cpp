@@ -28,22 +28,22 @@ std::vector<RecordedBlock> blocks_of(image::Bc6hRange range) {
   return blocks;
 }
 
-/// Where in a cubemap of blocks each one lies.
+/// Returns the block at a position in a cubemap of blocks.
 const RecordedBlock& block_at(const std::vector<RecordedBlock>& blocks, int face, int level, int row, int column) {
   return blocks[static_cast<std::size_t>(37 * face + 101 * level + 7 * row + column) % blocks.size()];
 }
 
-/// Those of a level's face, row after row.
+/// Appends the blocks of a level's face, row after row.
 void append_face(std::vector<std::byte>& bytes, const std::vector<RecordedBlock>& blocks, int size, int level,
                  int face) {
   const int across = image::blocks_across(std::max(1, size >> level));
   for (int block = 0; block < across * across; ++block) {
-    const RecordedBlock& own = block_at(blocks, face, level, block / across, block % across);
-    for (const std::uint8_t byte : own.bytes) bytes.push_back(std::byte{byte});
+    const RecordedBlock& recorded = block_at(blocks, face, level, block / across, block % across);
+    for (const std::uint8_t byte : recorded.bytes) bytes.push_back(std::byte{byte});
   }
 }
 
-/// A DDS cubemap with a whole chain of levels; its header is that of halves, but for the format.
+/// Returns a DDS cubemap with a full chain of levels; its header is that of halves except for the format.
 std::vector<std::byte> dds_of_blocks(const std::vector<RecordedBlock>& blocks, int size) {
   constexpr std::size_t header_bytes = 148;
   constexpr std::size_t format = 128;
@@ -58,7 +58,7 @@ std::vector<std::byte> dds_of_blocks(const std::vector<RecordedBlock>& blocks, i
   return bytes;
 }
 
-/// The same as KTX2.
+/// Returns a KTX2 cubemap of the blocks with a full chain of levels.
 std::vector<std::byte> ktx2_of_blocks(const std::vector<RecordedBlock>& blocks, int size) {
   std::vector<std::vector<std::byte>> levels(static_cast<std::size_t>(full_chain_levels(size)));
   for (std::size_t level = 0; level < levels.size(); ++level) {
@@ -69,7 +69,7 @@ std::vector<std::byte> ktx2_of_blocks(const std::vector<RecordedBlock>& blocks, 
   return ktx2_bytes({format, 1, edge, edge, 0, 6}, levels);
 }
 
-/// Whether every texel of a chain is what its block was recorded to stand for.
+/// Returns whether every texel of a chain has the value that is on record for its block.
 bool is_recorded(const Cubemap& chain, const std::vector<RecordedBlock>& blocks) {
   bool same = true;
   for (int level = 0; level < chain.levels(); ++level) {

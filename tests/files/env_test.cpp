@@ -120,7 +120,7 @@ TEST_CASE("RGBD has the byte whose colour is nearest in the encoded scale, over 
     for (std::size_t c = 0; c < 3; ++c) {
       if (!(std::abs(static_cast<double>(back[c]) - wanted[c]) <= 1e-6 * wanted[c])) FAIL(rgb[c] << " " << back[c]);
     }
-    // What the coding costs: half a step of 255 in the 1/2.2th power of the share of 1 that the divisor leaves.
+    // The coding's error: half a step of 255 in the 1/2.2th power of the share of 1 that the divisor leaves.
     if (value > 0.5) CHECK(std::abs(static_cast<double>(back[0]) / value - 1.0) < 0.5 * 2.2 / (255.0 * 0.72));
   }
 }
@@ -250,7 +250,7 @@ bool is_here(const std::filesystem::path& path) {
   return false;
 }
 
-/// What was handed to Babylon.js: 6 x 16 x 16 RGBA floats, row 0 on top.
+/// Returns the input of Babylon.js: 6 x 16 x 16 RGBA floats, row 0 on top.
 std::vector<float> source_of(const char* name) {
   const std::vector<char> bytes = read_bytes(kOracle / (std::string(name) + ".f32"));
   std::vector<float> rgba(bytes.size() / sizeof(float));
@@ -362,7 +362,7 @@ TEST_CASE("Babylon.js's irradiance texture and dominant direction are read", "[c
   radiance /= static_cast<double>(6 * face_values(plain.specular, 1));
   CHECK(mean > 0.6 * radiance);
   CHECK(mean < 1.4 * radiance);
-  // What a white surface reflects along +y, in the texture and by the polynomial's way back, is of one size.
+  // The light that a white surface reflects along +y agrees within a factor of 2 in the texture and the polynomial.
   double sum = 0.0;
   for (std::size_t i = 0; i < 32 * 32; ++i)
     sum += static_cast<double>(plain.irradiance.pixels()[(2 * 1024 + i) * 3 + 1]);

@@ -1,4 +1,4 @@
-// Environment files of any format: their truth where it is known, statistics, refusals.
+// Environment files of any format: their known pixels, statistics, refusals.
 #include "welkin/environment_file.h"
 
 #include <ImfTileDescription.h>
@@ -44,7 +44,7 @@ const std::map<std::string, std::vector<std::string>> kExrVariants{
     {"dwaa", {"dwaa_half", "dwaa_float"}},
     {"dwab", {"dwab_half"}}};
 
-/// How far off a compression's texels may be; 0: the same bits.
+/// Returns the largest error of a compression's texels; 0 stands for equal bits.
 double tolerance_of(const std::string& compression) {
   return compression.starts_with("b44") ? 0.1 : compression.starts_with("dwa") ? 0.35 : 0.0;
 }
@@ -124,8 +124,8 @@ TEST_CASE("one image in every Radiance form is the same image", "[codec][hdr][sh
   CHECK(exposed.info.notes[0].find("divided by 4,") != std::string::npos);
   CHECK(std::memcmp(exposed.pixels.get(), truth.data(), truth.size() * sizeof(float)) == 0);
 
-  // XYZ in 8 bits beside the largest of the three: half a step of X, Y, Z, each times its share of R, G, B (at most 3.3
-  // for X in red), is what may be lost, and less than 5 % of a texel's largest component.
+  // XYZ in 8 bits relative to the largest of the three may lose half a step of X, Y, Z, each times its share of R, G, B
+  // (at most 3.3 for X in red), and less than 5 % of a texel's largest component.
   const Environment xyz = read("xyze");
   double worst = 0.0;
   double sum_of_errors = 0.0;
@@ -350,7 +350,7 @@ TEST_CASE("an image above the memory limit is refused, a streamed one is not", "
   CHECK(thrown_by([&] { (void)measure_environment(path, options); }).code == ErrorCode::limit_exceeded);
 }
 
-// Promises: readers open a file anew; one that has become another image meanwhile is refused, not read into memory
+// Promises: readers reopen a file; one that has become another image meanwhile is refused, not read into memory
 // that was made for the first.
 
 namespace {

@@ -17,8 +17,8 @@
 
 namespace welkin::test {
 
-// Promises: luminance and chroma come out as the very values that OpenEXR's RgbaInputFile gives, whichever rows are
-// asked for, in whatever order, window, compression, part and layer.
+// Promises: luminance and chroma give exactly the values of OpenEXR's RgbaInputFile, for any requested rows and any
+// line order, window, compression, part and layer.
 
 namespace {
 
@@ -227,10 +227,10 @@ std::vector<float> directions_by_openexr(int size) {
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
         const auto id = static_cast<Imf::CubeMapFace>(face);
-        const Imath::V2f place(static_cast<float>(x), static_cast<float>(y));
+        const Imath::V2f position(static_cast<float>(x), static_cast<float>(y));
         const Imath::V3f direction =
-            Imf::CubeMap::direction(id, window, (place + Imath::V2f(0.5F)) * scale).normalized();
-        const Imath::V2f pixel = Imf::CubeMap::pixelPosition(id, window, place);
+            Imf::CubeMap::direction(id, window, (position + Imath::V2f(0.5F)) * scale).normalized();
+        const Imath::V2f pixel = Imf::CubeMap::pixelPosition(id, window, position);
         const auto texel = static_cast<std::size_t>(pixel.y * static_cast<float>(size) + pixel.x);
         std::copy_n(&direction.x, 3, rgb.begin() + static_cast<std::ptrdiff_t>(3 * texel));
       }

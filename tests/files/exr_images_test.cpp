@@ -11,8 +11,8 @@
 
 namespace welkin::test {
 
-// Promises: R, G and B are found by name among whatever other channels there are, in the layer that is asked for; Y
-// alone is grey; integers are the numbers that they state.
+// Promises: R, G and B are found by name among any other channels in the requested layer; Y alone is grey; integers
+// are the numbers that they state.
 
 namespace {
 
@@ -157,7 +157,7 @@ TEST_CASE("integers are the numbers that they state", "[codec]") {
   }
 }
 
-// Promises: where the data window lies, how lines and tiles are ordered and which rows are asked for change no
+// Promises: the position of the data window, the order of lines and tiles, and the selection of rows change no
 // pixel.
 
 namespace {
@@ -236,7 +236,7 @@ ExrRecipe recipe_of(const Window& data, const Window& display) {
   return recipe;
 }
 
-// What is inside of both windows, on black.
+// Returns the pixels that lie inside both windows, on black.
 std::vector<float> framed(const std::vector<float>& stored, const Window& data, const Window& display) {
   std::vector<float> image;
   for (int y = display.top; y < display.top + display.height; ++y) {

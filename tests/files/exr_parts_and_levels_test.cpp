@@ -14,7 +14,7 @@
 
 namespace welkin::test {
 
-// Promises: of a multi-part OpenEXR file the part that is asked for is read, by name or number; by default the first
+// Promises: of a multi-part OpenEXR file the requested part is read, by name or number; by default the first
 // with colour, else with luminance; deep ones are skipped.
 
 namespace {
@@ -105,7 +105,7 @@ TEST_CASE("a part that is not there is an error that names those that are", "[co
         std::string::npos);
 }
 
-// Promises: the levels of a mip or rip map are listed as the library has them, and the one that is asked for is read.
+// Promises: the levels of a mip or rip map are listed as in OpenEXR's library, and the requested level is read.
 
 namespace {
 

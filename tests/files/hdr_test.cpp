@@ -74,7 +74,7 @@ TEST_CASE("long repeats of the old form shift their counts", "[codec][hdr]") {
     const std::vector<Rgbe> texels(static_cast<std::size_t>(width), Rgbe{200, 100, 50, 130});
     check_whole(path, {width, 1, HdrForm::old_rle}, texels);
   }
-  // A repeat, a texel, a repeat: the texel in between starts the counting anew.
+  // A repeat, a texel, a repeat: the texel in between restarts the count.
   const HdrRecipe recipe{10, 1};
   std::string file = hdr_header(recipe);
   file += std::string("\x80\x40\x20\x81\x01\x01\x01\x03", 8) + std::string("\x90\x40\x20\x81\x01\x01\x01\x05", 8);
@@ -244,7 +244,7 @@ TEST_CASE("stated primaries become Rec. 709, or stay as stored", "[codec][hdr]")
   CHECK(notes_say(pointless, "primaries that span no colours are ignored"));
 }
 
-// Promises: a Radiance image that is not read is refused by a code and a message with the file's name, the place in
+// Promises: a Radiance image that is not read is refused by a code and a message with the file's name, the offset in
 // it, what was found, and what would do.
 
 namespace {
@@ -318,7 +318,7 @@ TEST_CASE("Radiance resolution lines out of bounds are refused", "[codec][hdr]")
 TEST_CASE("damaged Radiance scanlines are refused by where and how", "[codec][hdr]") {
   const ErrorCode corrupt = ErrorCode::corrupt_file;
   const std::string header = hdr_header({10, 2});
-  const std::string place = std::to_string(header.size() + 4);
+  const std::string offset = std::to_string(header.size() + 4);
   const std::string remedy = "fetch or export the file again";
   const std::string row = "\x02\x02\x00\x0a\x8a\x11\x8a\x22\x8a\x33\x8a\x80"s;
   check_refusal(header + row + row.substr(0, 11), corrupt,

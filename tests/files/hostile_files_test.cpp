@@ -25,7 +25,7 @@ constexpr std::uint64_t kLimit = std::uint64_t{16} << 20U;
 
 using Calls = std::vector<std::function<void(const std::filesystem::path&)>>;
 
-/// What is done with a file of an extension.
+/// Returns the calls that read a file of an extension.
 Calls calls_for(const std::string& extension) {
   const auto read = [](const auto& path) { (void)read_environment(path, {.memory_limit_bytes = kLimit}); };
   if (extension == ".env") return {[](const auto& path) { (void)read_babylon_environment(path, kLimit); }, read};
@@ -40,7 +40,7 @@ Calls calls_for(const std::string& extension) {
 
 using Damage = void (*)(const SoundFile&, const Use&);
 
-/// Whatever but an Error that names the file comes out of a call fails the test.
+/// Checks that calls on damaged files succeed or throw an Error that names the file.
 void check_damage(const std::vector<SoundFile>& files, Damage damage, bool may_load) {
   const TemporaryDirectory directory;
   for (const SoundFile& sound : files) {
@@ -50,7 +50,7 @@ void check_damage(const std::vector<SoundFile>& files, Damage damage, bool may_l
     std::size_t loaded = 0;
     std::size_t refused = 0;
     const auto try_to_read = [&](const std::vector<char>& bytes) {
-      std::filesystem::remove(path);  // ext4 waits for the disc when a file is written over, not when it is new
+      std::filesystem::remove(path);  // ext4 waits for the disk when a file is overwritten, not when it is new
       write_bytes(path, bytes);
       for (const auto& call : calls) {
         try {
@@ -146,7 +146,7 @@ TEST_CASE("no extreme field of a file does harm", "[codec][textures][damage][slo
 
 // Promises: what a header claims costs no memory; a streamed image needs a few blocks a thread.
 
-// A sanitizer's own memory is in the way of what a process takes.
+// A sanitizer's memory would distort the memory that a process takes.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WELKIN_SANITIZED
 #endif
@@ -196,13 +196,13 @@ std::uint64_t memory_by_status(const std::string& key) {
   return 0;
 }
 
-// By how much `work` raised the memory that is in use at its highest; nothing if the system does not tell.
+// Returns the growth of the peak memory in use during `work`, or nothing if the system does not report it.
 std::optional<std::uint64_t> peak_growth(const std::function<void()>& work) {
   malloc_trim(0);
   const std::uint64_t before = memory_by_status("VmRSS:");
   {
     std::ofstream reset("/proc/self/clear_refs");
-    reset << "5";  // proc(5): the peak begins anew from what is in use now
+    reset << "5";  // proc(5): resets the peak to the memory in use now
     if (!reset.flush()) return std::nullopt;
   }
   if (before == 0 || memory_by_status("VmHWM:") > before + (before >> 6U)) return std::nullopt;
@@ -211,7 +211,7 @@ std::optional<std::uint64_t> peak_growth(const std::function<void()>& work) {
   return peak > before ? peak - before : 0;
 }
 
-// What the first call of a process sets up (oneTBB, kernels, OpenEXR, code) is no matter of the image's size.
+// Makes the first call of a process, whose setup (oneTBB, kernels, OpenEXR, code) does not depend on the image's size.
 void call_once_before(const TemporaryDirectory& directory) {
   const std::filesystem::path exr = directory.file("small.exr");
   static_cast<void>(tiled_exr(exr));
@@ -344,7 +344,7 @@ TEST_CASE("a 16384 x 8192 lat-long is projected in 4 MiB", "[codec][streaming][s
     REQUIRE(file.good());
   }
   call_once_before(directory);
-  // What is in use, not the address space: a huge page's block reserves twice its size to begin at a multiple of it.
+  // Measured is memory in use, not address space: a huge page's block reserves twice its size to begin at a multiple.
   std::optional<Projection> light;
   std::optional<std::uint64_t> growth;
   run_with_threads(1, [&] { growth = peak_growth([&] { light = project_file(path); }); });

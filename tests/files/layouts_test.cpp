@@ -17,7 +17,7 @@
 
 namespace welkin::test {
 
-// Promises: the layout is what was asked for, else what the header says, else what the shape says; and the reason
+// Promises: the layout is the requested one, otherwise the header's, otherwise that of the shape; and the reason
 // is given.
 
 namespace {
@@ -219,7 +219,7 @@ TEST_CASE("a cross is held as its faces alone and refused by what they take", "[
   CHECK(error.message == path.string() +
                              ": 256 x 192 texels take 294912 bytes as RGB floats, above the limit of 294911; raise "
                              "the limit or reduce the image");
-  options.memory_limit_bytes += std::uint64_t{1} << 19U;  // room for decoding
+  options.memory_limit_bytes += std::uint64_t{1} << 19U;  // memory for decoding
   CHECK(read_environment(path, options).face_size() == size);
 }
 
@@ -235,7 +235,7 @@ const files::FaceSegment* segment_at(const files::RowSegments& segments, int siz
   return nullptr;
 }
 
-// Direction of a texel's centre, or nothing at a blank place.
+// Returns the direction of a texel's centre, or nothing for a blank texel.
 std::optional<glm::dvec3> direction_at(const files::CubePlacement& placement, int size, int column, int row) {
   if (column >= placement.columns * size || row >= placement.rows * size) return std::nullopt;
   const files::RowSegments segments = files::row_segments(placement, size, row);
@@ -293,13 +293,13 @@ TEST_CASE("Positive axes have their primary colour, negative ones its complement
   const Cubemap map = test_map_cubemap(32);
   for (int face = 0; face < 6; ++face) {
     const glm::dvec3 mean = mean_of_face(map, face);
-    const int own = face / 2;
-    for (int other : {(own + 1) % 3, (own + 2) % 3}) {
+    const int axis = face / 2;
+    for (int other : {(axis + 1) % 3, (axis + 2) % 3}) {
       CAPTURE(face, other);
       if (face % 2 == 0) {
-        CHECK(mean[own] > mean[other] + 0.1);
+        CHECK(mean[axis] > mean[other] + 0.1);
       } else {
-        CHECK(mean[own] < mean[other] - 0.1);
+        CHECK(mean[axis] < mean[other] - 0.1);
       }
     }
   }
@@ -364,7 +364,7 @@ TEST_CASE("The labelled map goes through every layout and back without a moved t
         const WriteReport report = write_environment(path, map.view(), {layout, SampleType::float32});
         CAPTURE(size, extension, name(layout));
         REQUIRE(report.files.size() == (layout == Layout::six_files ? 6U : 1U));
-        const Environment read = read_environment(report.files.front());  // the layout is told from shape and header
+        const Environment read = read_environment(report.files.front());  // the layout follows from shape and header
         REQUIRE(read.face_size() == size);
         CHECK(same_bits(map.pixels(), read.pixels.get()));
       }

@@ -16,8 +16,8 @@
 
 namespace welkin::test {
 
-// Promises: bytes in memory give what the file at a path gives: the same bits, the same words about it, and of a
-// damaged file the same error.
+// Promises: bytes in memory read as the file at a path does: the same bits and descriptions, and the same error for a
+// damaged file.
 
 namespace {
 
@@ -31,7 +31,7 @@ Bytes bytes_of(const std::filesystem::path& path) {
   return {span.begin(), span.end()};
 }
 
-/// What a call gave, or the error that it threw.
+/// The result of a call, or the error that it threw.
 template <class Value>
 struct Outcome {
   std::optional<Value> value;
@@ -47,10 +47,10 @@ auto outcome_of(const Call& call) -> Outcome<decltype(call())> {
   }
 }
 
-/// Of a square image its path says why it is no face among six, and bytes cannot.
+/// Cuts the reason why a square image is not one of six faces, which only the error for a path states.
 std::string comparable(const std::string& error) { return error.substr(0, error.find(" is square")); }
 
-/// The outcome of `call`, given the path, and given the bytes with the path as their name.
+/// Compares the outcomes of `call` for the path and for the bytes with the path as their name.
 template <class Call, class Same>
 void check_same_outcome(const std::filesystem::path& path, std::span<const std::byte> bytes, const Call& call,
                         const Same& same) {

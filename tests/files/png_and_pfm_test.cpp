@@ -11,7 +11,7 @@
 namespace welkin::test {
 
 // Promises: PNG is read in every colour type and depth, interlaced or not, in any pieces; samples become light as the
-// file or the caller says; what was done is told.
+// file or the caller states; the conversion is reported.
 
 namespace {
 
@@ -221,7 +221,7 @@ TEST_CASE("chunks that are not wanted cost nothing and spoil nothing", "[codec][
 
 namespace {
 
-constexpr std::size_t kBitsPlace = 24;  // in the file
+constexpr std::size_t kBitsOffset = 24;  // in the file
 
 std::vector<char> sound_png(int width = 8, int height = 4, bool interlaced = false) {
   const PngRecipe recipe{width, height, 8, SPNG_COLOR_TYPE_TRUECOLOR, interlaced};
@@ -253,7 +253,7 @@ TEST_CASE("damaged PNGs are refused by what is wrong with them", "[codec][png]")
   damaged[5] = 'x';
   check_refusal(damaged, corrupt, "libspng says \"", "fetch or export it again");
   damaged = sound;
-  damaged[kBitsPlace] = 7;
+  damaged[kBitsOffset] = 7;
   check_refusal(damaged, corrupt, "bit depth", "fetch or export it again");
   check_refusal(with_png_size(sound, 0, 4), corrupt, "libspng says \"", "");
   check_refusal(with_png_size(sound, 8, 0xffffffff), corrupt, "libspng says \"", "");
@@ -327,7 +327,7 @@ TEST_CASE("a PFM's header may end with two bytes, as lines do on Windows", "[cod
   const Environment read = read_environment(path);
   CHECK(std::equal(pixels.begin(), pixels.end(), read.pixels.get()));
 
-  // Where the file has no room for it, that byte is the first pixel's.
+  // If the file is too short for it, that byte belongs to the first pixel.
   bytes.pop_back();
   write_bytes(path, bytes);
   CHECK(read_environment(path).pixels[12] != pixels[12]);

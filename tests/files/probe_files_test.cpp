@@ -67,7 +67,7 @@ TEST_CASE("probe files: captures in files give the bits of captures in memory", 
                {"half.ktx2"});
   cubes.pop_back();
   CHECK(thrown_by([&] { static_cast<void>(bake_probe_files(grid, cubes)); }).says("for 195 probes"));
-  // What no file could mend is refused before one is read.
+  // Errors that do not depend on the files are reported before one is read.
   const std::vector<FileInput> nowhere(grid.size(), FileInput(folder.path() / "nowhere.ktx2"));
   CHECK(thrown_by([&] {
           static_cast<void>(bake_probe_files(grid, nowhere, {}, {.dilation_passes = 5000}));

@@ -11,8 +11,8 @@
 
 namespace welkin::test {
 
-// Promise: who asks for a part, layer, level or element that a file does not have gets an error, whatever the format,
-// and never another image's light. What every file has (number 0) may be asked for.
+// Promise: a part, layer, level or element that a file does not have is an error in every format, and never gives
+// another image's light. Number 0, which every file has, may be requested.
 
 namespace {
 
@@ -83,7 +83,7 @@ std::string zipped(const std::string& bytes) {
   return packed;
 }
 
-/// The sound file of that recipe with its first block, by place, replaced: `header_bytes` stand before its length.
+/// Returns the sound file with its first block, by offset, replaced; `header_bytes` stand before the block's length.
 std::string with_block(const std::filesystem::path& sound, std::size_t blocks, std::size_t header_bytes,
                        const std::string& block) {
   std::string bytes = read_text(sound);

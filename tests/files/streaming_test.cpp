@@ -13,14 +13,14 @@
 
 namespace welkin::test {
 
-// Promises: a source whose rows come one after the other is read so, by one reader a section, each row once, whoever
-// works on the rows meanwhile; and an error, a stop request or a failing task ends it without a further read.
+// Promises: a sequential source is read in order, by one reader per section, each row once, whichever threads work on
+// the rows meanwhile; and an error, a stop request or a failing task ends it without a further read.
 
 namespace {
 
 float value_at(int row, int column, int channel) { return static_cast<float>(row * 10 + column % 7 + channel); }
 
-// What readers of a fake source have done.
+// The actions of a fake source's readers.
 struct Log {
   std::atomic<int> readers_opened{0};
   std::atomic<int> readers_open{0};

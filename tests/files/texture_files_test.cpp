@@ -15,8 +15,8 @@
 
 namespace welkin::test {
 
-// Promises: KTX2, DDS and .env files are environments like all others: told by their first bytes, inspected, read at
-// each level, measured, projected, within a memory limit; an .env in Welkin's axes, with the light that it stores.
+// Promises: KTX2, DDS and .env files are environments like all others: recognized by their first bytes, inspected, read
+// at each level, measured, projected, within a memory limit; an .env in Welkin's axes, with the light that it stores.
 
 namespace {
 
@@ -177,7 +177,7 @@ void put(Bytes& bytes, std::size_t index, std::uint32_t value) {
   std::memcpy(bytes.data() + index, &value, sizeof value);
 }
 
-/// A sound file of some texture format after `change` of its bytes, and what the reader says.
+/// Returns the reader's error for a valid texture file after `change` of its bytes.
 template <class Change>
 ThrownError refusal_of(const char* file, const Cubemap& chain, Supercompression packing, const Change& change) {
   std::vector<std::byte> bytes;
@@ -188,7 +188,7 @@ ThrownError refusal_of(const char* file, const Cubemap& chain, Supercompression 
   return error;
 }
 
-/// The same with one field set.
+/// Returns the reader's error for a valid texture file with one field changed.
 ThrownError refusal_with(const char* file, std::size_t index, std::uint32_t value,
                          Supercompression packing = Supercompression::none) {
   return refusal_of(file, noisy_chain(4, 3), packing, [&](auto& bytes) { put(bytes, index, value); });
@@ -218,7 +218,7 @@ void write_env(const std::filesystem::path& path, const std::string& manifest, c
   write_bytes(path, bytes);
 }
 
-/// A sound .env after `change` of its manifest and payload, and what the reader says.
+/// Returns the reader's error for a valid .env file after `change` of its manifest and payload.
 template <class Change>
 ThrownError env_refusal(const Change& change) {
   const TemporaryDirectory directory;
@@ -349,8 +349,8 @@ TEST_CASE("numbers that are no enumerators are refused", "[codec][textures]") {
 }
 
 TEST_CASE("flaws in an .env's manifest are named", "[codec][env]") {
-  const auto with = [](const char* place, const Json& value) {
-    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(place)] = value; });
+  const auto with = [](const char* pointer, const Json& value) {
+    return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(pointer)] = value; });
   };
   const auto without = [](const char* parent, const auto& child) {
     return env_refusal([&](EnvParts& parts) { parts.manifest[Json::json_pointer(parent)].erase(child); });

@@ -357,8 +357,8 @@ TEST_CASE("what a texel cannot hold is clamped and counted", "[codec][texels]") 
   CHECK(floats[0] == 70000.0F);
 }
 
-// Promises: whoever asks a long call on textures to stop waits for a block, not for a level or a face; the work of the
-// libraries that pack is cut for that, and what comes out is what they make in one go.
+// Promises: a long call on textures stops after a block, not after a level or a face; the work of the packing libraries
+// is split for that, and the result equals that of a single call.
 
 namespace {
 

@@ -20,7 +20,7 @@
 
 namespace welkin::test {
 
-// Promise: whatever goes wrong while a file is written, it is not there, and what was there before still is.
+// Promise: if writing a file fails, the new file does not exist and the previous one is unchanged.
 
 namespace {
 
@@ -93,7 +93,7 @@ TEST_CASE("Refusals to write say what would do", "[writers]") {
   CHECK(files_in(directory.path()).size() == 1);
 }
 
-// Promise: every format is written so that it reads back as what went in, to what the format can hold.
+// Promise: every written format reads back as the input, within the precision of the format.
 
 namespace {
 
@@ -201,7 +201,7 @@ TEST_CASE("PNGs hold the nearest code of the sRGB curve, in 8 and 16 bits", "[wr
   }
 }
 
-// Promise: saved sky tables come back bit by bit; a damaged file is refused, whatever the damage.
+// Promise: saved sky tables are read back bit for bit; a file with any damage is refused.
 
 namespace {
 
@@ -266,7 +266,7 @@ TEST_CASE("Refused sky tables say why", "[sky][codec]") {
   };
   CHECK(load(100).code == ErrorCode::limit_exceeded);
   std::vector<char> bytes = read_bytes(path);
-  const char own = bytes[8];
+  const char original = bytes[8];
   for (const int version : {7, 107}) {  // of other minor versions of the library
     bytes[8] = static_cast<char>(version);
     write_bytes(path, bytes);
@@ -274,7 +274,7 @@ TEST_CASE("Refused sky tables say why", "[sky][codec]") {
     CHECK(load().says("version " + std::to_string(version)));
     CHECK(load().says("; compute it again"));
   }
-  bytes[8] = own;
+  bytes[8] = original;
   bytes.back() = static_cast<char>(bytes.back() ^ 1);
   write_bytes(path, bytes);
   CHECK(load().code == ErrorCode::corrupt_file);
@@ -326,7 +326,7 @@ class GermanHost {
   std::locale before_;
 };
 
-/// What a bake is told to do, and why, and what is said of arguments that cannot be.
+/// Returns the text of a bake's plan with its reasons, and the messages for invalid arguments.
 std::string all_explanations() {
   const TestLatLong image = make_lat_long(Content::smooth, 16, 8, 3);
   SceneNeeds needs;
@@ -350,7 +350,7 @@ std::string all_explanations() {
   return all;
 }
 
-/// What all parsers and writers of text make of some files, as text.
+/// Returns, as text, the results of all parsers and writers of text for a few files.
 std::string all_texts(const TemporaryDirectory& folder) {
   std::string all;
   const auto add = [&all](double value) { all += std::to_string(static_cast<long long>(value * 1e9)) + ' '; };
