@@ -194,6 +194,11 @@ void call_reflections(Calls& calls, const LatLongImage& wide, const Cubemap& cub
         RoughnessSchedule::unreal}) {
     calls.call("mip_roughness(", [&] { return mip_roughness(schedule, 6, 32); });
     calls.call("fitted_mip_roughness(", [&] { return fitted_mip_roughness(schedule, 6, 32); });
+    calls.call("PrefilterOptions::use_schedule(", [&] {
+      PrefilterOptions options{.size = 32, .mips = 6};
+      options.use_schedule(schedule, true);
+      return options.lobe_roughness;
+    });
   }
   const std::vector<double> table = mip_roughness(RoughnessSchedule::filament, 6, 32);
   calls.call("mip_for_roughness(", [&] { return mip_for_roughness(table, 0.37); });
