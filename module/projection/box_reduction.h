@@ -8,7 +8,7 @@
 namespace welkin::projection {
 
 /// Averages each face to target x target (below the cubemap's size) as CubeMapToSphericalPolynomialTools does:
-/// cell (i, j) covers source columns floor(i r) to floor((i + 1) r) - 1, r = size / target, likewise rows;
+/// cell (i, j) covers source columns floor(i r) to floor((i + 1) r) - 1, r = size / target, and rows alike;
 /// its sum is multiplied by 1 / r^2 even where it holds fewer texels, and rounded to float. 8-bit formats
 /// are averaged as encoded and rounded to whole steps of 1/255 (half up, modulo 256: with ratios that are not
 /// whole a cell may hold more than r^2 texels) before they are linearised.

@@ -21,7 +21,7 @@ int chunks_per_tile(int chunk_count) { return std::clamp(chunk_count / 64, 4, 16
 
 constexpr std::ptrdiff_t kCacheLine = 64;
 
-/// What fits here stays there between calls, and fetching it would only take time.
+/// Bytes. Data that fits stays cached between calls, so that prefetching it would only take time.
 constexpr std::ptrdiff_t kSecondLevelCache = std::ptrdiff_t{1} << 20U;
 
 bool is_beyond_cache(const CubemapView& cubemap) {

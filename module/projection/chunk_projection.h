@@ -30,7 +30,7 @@ class ChunkProjection {
   ChunkProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                   const Sanitizer& sanitizer, const TexelWeights& weights, bool one_of_many = false);
 
-  /// What one worker needs; made before the tiles run, in two pieces (a small cubemap takes ten microseconds, and every
+  /// One worker's scratch, made before the tiles run, in two pieces (a small cubemap takes ten microseconds, and every
   /// allocation a tenth of one).
   class Scratch {
    public:
@@ -64,7 +64,7 @@ class ChunkProjection {
 
   /// The sums of a tile on each of the faces, as far as its texels can be taken as they lie.
   void sum_tile(int index, Scratch& scratch) const;
-  /// Of what `sum_tile` left there: the sums on one face, [3][functions] in the order of the weights, of sanitized
+  /// Returns one face's sums from what `sum_tile` left there, [3][functions] in the order of the weights, of sanitized
   /// texels if they were not all finite. They stay until the next face's.
   [[nodiscard]] std::span<const double> face_sums(int index, int face, Scratch& scratch, SanitizeRecord& record) const;
 
@@ -98,9 +98,9 @@ class ChunkProjection {
   void sum_sanitized(const Chunks& chunks, int face, Scratch& scratch, SanitizeRecord& record) const;
   void sum_planes(const QuadrantChunk& chunk, int face, const float* weights, const FetchAhead& ahead,
                   Scratch& scratch) const;
-  /// What is read after a chunk on a face: the same chunk on the next face, or the next chunk on the first.
-  /// Several short rows count as one stretch each at the top and at the bottom, as if rows were packed.
-  /// (The next tile's first chunk too: as a rule the same thread goes on with it.)
+  /// Returns the memory that is read after a chunk on a face: the same chunk on the next face, or the next chunk on the
+  /// first. Several short rows count as one stretch each at the top and at the bottom, as if rows were packed. (The
+  /// next tile's first chunk too: usually the same thread continues with it.)
   [[nodiscard]] FetchAhead read_next(int index, std::size_t at) const;
   [[nodiscard]] RowRun row_run(const QuadrantChunk& chunk, int face, int index) const;
   /// First texel of the run's mirror image in u, `count` texels in memory order.

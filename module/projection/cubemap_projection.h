@@ -24,7 +24,7 @@ namespace welkin::projection {
 inline constexpr std::array<int, 6> kAllFaces{0, 1, 2, 3, 4, 5};
 using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 
-/// The sums of some faces (0 to 5, none twice), null for the others. Throws likewise.
+/// The sums of some faces (0 to 5, none twice), null for the others. Throws the same errors.
 [[nodiscard]] SixFaceSums sum_faces(const CubemapView& cubemap, const ProjectionOptions& options,
                                     std::span<const int> faces, const Control& control);
 
@@ -34,7 +34,7 @@ using SixFaceSums = std::array<std::shared_ptr<const FaceSums>, 6>;
 /// How many tiles' sums a face of that size has.
 [[nodiscard]] std::size_t tiles_of_face(int size, const ProjectionOptions& options);
 
-/// What projections of all cubemaps of one size share.
+/// Tables that the projections of all cubemaps of one size share.
 struct CubemapTables {
   /// From caches.
   CubemapTables(int size, const ProjectionOptions& options);
@@ -42,7 +42,7 @@ struct CubemapTables {
   int size;
   int bands;
   std::shared_ptr<const TexelWeights> weights;
-  /// Of the midpoint rule; null for the exact rule, and where an average's error is known by other means.
+  /// The midpoint rule's error; null for the exact rule, and where an average's error is known by other means.
   std::shared_ptr<const MidpointError> error;
 };
 
@@ -50,7 +50,7 @@ struct CubemapTables {
 /// allocates.
 class WorldSums {
  public:
-  /// Of cubemaps with so many tiles or fewer.
+  /// Makes sums for cubemaps with at most `tiles` tiles.
   WorldSums(std::size_t tiles, const ProjectionOptions& options);
 
   void clear() noexcept;

@@ -32,8 +32,8 @@ void require_possible(std::ptrdiff_t normals) {
               std::to_string(normals) + " normals; 1 to " + std::to_string(kMaxNormals) + " are possible");
 }
 
-/// Directions that cover the sphere evenly: equal steps in height, each turned by the golden angle from the one before.
-/// The same bits on every machine. Throws `Error` (invalid_argument) unless 1 <= count <= 100 000.
+/// Returns directions that cover the sphere evenly: equal steps in height, the golden angle apart in azimuth.
+/// Their bits are the same on every machine. Throws `Error` (invalid_argument) unless 1 <= count <= 100 000.
 std::vector<glm::dvec3> spiral(int count) {
   require_possible(count);
   // The Fibonacci spiral. A zone of the sphere of height dy has the area 2 pi dy (Archimedes), so heights in equal
@@ -104,7 +104,7 @@ glm::dvec3 direct_irradiance(const EnvironmentView& environment, const glm::dvec
 
 namespace {
 
-// The irradiance of the first bands beside the direct one.
+// Compares the irradiance of the first bands with the direct one.
 
 double ratio(double difference, double whole) {
   if (difference == 0.0) return 0.0;
@@ -158,7 +158,7 @@ std::vector<IrradianceError> irradiance_errors(const EnvironmentView& environmen
 namespace {
 
 constexpr int kLargestSize = 4096;
-constexpr double kTileProducts = 1e6;    ///< texels times coefficients: some 0.2 ms
+constexpr double kTileProducts = 1e6;    ///< texels times coefficients: approximately 0.2 ms
 constexpr double kInlineProducts = 1e5;  ///< less is done by the caller's thread alone
 constexpr std::size_t kNormalsAtATime = 65536;
 constexpr double kMaxIrradiance = std::numeric_limits<float>::max();

@@ -189,7 +189,7 @@ namespace {
 
 // Along a row the latitude is constant, so a harmonic is a factor times cos(m lon) or sin(m lon): a row is
 // read once for its 2 bands - 1 sums over longitude, and those are multiplied by the row's integrals over
-// latitude. Texels half a turn apart share their weights up to the sign of odd orders and are folded first.
+// latitude. Texels 180 degrees apart share their weights up to the sign of odd orders and are folded first.
 
 using simd::kLanes;
 
@@ -199,7 +199,7 @@ constexpr int kTexelsPerBlock = 32'768;
 /// Stands in for the second half of a row of odd width.
 alignas(64) constexpr std::byte kZeros[kChunk * 16]{};
 
-/// What one worker needs.
+/// One worker's scratch.
 struct Scratch {
   Scratch(int orders, int functions)
       : planes(std::size_t{3} * kClasses * kChunk),
@@ -222,10 +222,10 @@ struct Scratch {
   std::vector<double> row_sums;  ///< [3][orders]
   std::vector<double> exact_row_sums;
   std::vector<double> local_sums;        ///< [3][functions], of a block
-  std::vector<double> exact_local_sums;  ///< likewise, of whole texels as areas
+  std::vector<double> exact_local_sums;  ///< local sums of whole texels as areas
 };
 
-/// A chunk of columns of one row; `second` is half a turn on, or nullptr.
+/// A chunk of columns of one row; `second` is 180 degrees on, or nullptr.
 struct ColumnRun {
   const std::byte* first;
   const std::byte* second;
@@ -399,8 +399,8 @@ bool LatLongProjector::State::fold_lanes(Scratch& scratch, std::vector<double>& 
   return all_finite(sums_of_orders) && all_finite(exact);
 }
 
-/// What is read after a run: the next chunk of the row, or the next row's first, if there is one; each of its
-/// halves as two stretches.
+/// Returns the memory that is read after a run: the next chunk of the row, or the next row's first, if there is one;
+/// each of its halves as two stretches.
 FetchAhead LatLongProjector::State::read_next(const std::byte* texels, const std::byte* next_row, PixelFormat format,
                                               int chunk) const noexcept {
   const bool row_ends = chunk + 1 == weights->chunk_count();

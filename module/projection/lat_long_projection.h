@@ -1,4 +1,4 @@
-// What the texels of a lat-long image weigh: a factor for the column times a factor for the row.
+// Weights of a lat-long image's texels: a factor for the column times a factor for the row.
 //
 // Frame: u = +z, v = +x, normal = +y (up), so that a texel's local direction is
 // (cos(lon) cos(lat), sin(lon) cos(lat), sin(lat)) and the harmonics of that frame split into
@@ -35,7 +35,7 @@ class LatLongWeights {
 
   explicit LatLongWeights(const LatLongWeightsKey& key);
 
-  /// Columns that are read as pairs half a turn apart: width / 2, where even orders take their sum and odd
+  /// Columns that are read as pairs 180 degrees apart: width / 2, where even orders take their sum and odd
   /// ones their difference. An odd width has no such pairs; then all its columns are read alone.
   [[nodiscard]] int column_count() const noexcept { return column_count_; }
   [[nodiscard]] bool paired() const noexcept { return paired_; }
@@ -71,7 +71,7 @@ class LatLongWeights {
 /// One projection of one image. Make it, hand every block in once, then finish.
 class LatLongProjector {
  public:
-  /// Checks size and options, fetches or builds the tables, and makes room for every block's sums and for
+  /// Checks size and options, fetches or builds the tables, and allocates every block's sums and scratch for
   /// `workers` callers of `project_block` at the same time. Throws `Error` (invalid_argument).
   LatLongProjector(int width, int height, const ProjectionOptions& options, std::size_t workers);
   ~LatLongProjector();

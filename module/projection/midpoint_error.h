@@ -3,7 +3,7 @@
 // A texel of radiance L and solid angle w adds L w Y(centre) instead of L Int Y: off by L w d, d = Y(centre) minus the
 // mean of Y over the texel. Over a face d is smooth, so it is nearly a combination of the values Y(centre) themselves,
 // whose sums over the face the projection has. The combination depends on the size alone. What it leaves of d is at
-// most `beyond` at any texel, which bounds the rest of the error by that share of the light.
+// most `beyond` at any texel, which bounds the rest of the error by that fraction of the light.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class MidpointError {
   /// the order of the weights.
   void add(int face, const double* face_sums, double* canonical) const noexcept;
 
-  /// Returns a bound on the rest of the error, as a norm over all functions and a share of the light's flux.
+  /// Returns a bound on the rest of the error, as a norm over all functions and a fraction of the flux.
   [[nodiscard]] double beyond() const noexcept { return beyond_; }
 
   [[nodiscard]] std::size_t bytes() const noexcept { return sizeof *this + combination_.size() * sizeof(double); }

@@ -31,18 +31,18 @@ namespace {
 /// A tile ends with the probe that reaches this: some 25 microseconds, two probes of 64.
 constexpr std::int64_t kTexelsPerTile = 49'152;
 
-/// So many probes are more than a cache holds, as a rule.
+/// So many probes usually exceed the cache.
 constexpr std::size_t kMany = 16;
 
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
 std::int64_t texels_of(const CubemapView& probe) { return texels_of(probe.size); }
 
-/// Small cubemaps: each is projected whole by one thread, with the bits of `project`, and without the heap.
+/// Small cubemaps: each is projected whole by one thread, bit for bit as by `project`, and without the heap.
 ///
 /// Name the sizes that occur (`prepare`), then say how many threads there are (`make_scratch`), then project.
 class SmallCubemaps {
  public:
-  /// `one_of_many`: most pixels must come from memory, and are asked for ahead.
+  /// `one_of_many`: most pixels must come from memory, and are prefetched.
   SmallCubemaps(const ProjectionOptions& options, bool one_of_many)
       : options_(options), sanitizer_(options.pixels), one_of_many_(one_of_many) {
     options_.target_size.reset();  // of those that they take it is none
@@ -97,7 +97,7 @@ class SmallCubemaps {
   }
 
  private:
-  /// What a worker needs.
+  /// One worker's scratch.
   struct Scratch {
     ChunkProjection::Scratch chunks;
     WorldSums sums;

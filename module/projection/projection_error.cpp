@@ -76,7 +76,7 @@ std::optional<int> effective_target(int size, const ProjectionOptions& options) 
   return target < size ? std::optional(target) : std::nullopt;
 }
 
-// Of neighbours a > t > b the first is nearer if a / t < t / b.
+// Where a > t > b are neighbours, a is nearer if a / t < t / b.
 std::size_t nearest_level(std::span<const int> sizes, int target) noexcept {
   std::size_t level = 0;
   while (level + 1 < sizes.size() && sizes[level] > target) {

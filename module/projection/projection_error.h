@@ -18,7 +18,7 @@ namespace welkin::projection {
 /// Returns a guess of the relative error of a mip's coefficients against those of its chain's first mip, which is not
 /// read. `size`: texels along a face's edge. Smooth content loses up to l (l + 1) d^2 / 7 of band l, d = pi/2 / size (a
 /// cell blurs twice, when it is averaged and when it is read as an area). Light from a point lands up to half a cell
-/// away, which moves band l by up to 0.35 l d of what a point puts there. The point's share of the light follows from
+/// away, which moves band l by up to 0.35 l d of what a point puts there. The point's part of the light follows from
 /// band 2: a point has |c_2|^2 = 5 |c_0|^2, a smooth sky far less. Detail beyond the bands moves light by a share of
 /// size^-2, unless the image is nearly uniform. The guess misses a pattern that the mip averages away.
 [[nodiscard]] double mip_error(std::span<const glm::dvec3> radiance, double size);

@@ -160,15 +160,15 @@ WELKIN_INLINE void add_to_sums(const float* lanes, int count, int total, double*
   }
 }
 
-/// What FoldQuadrants has left of the lines ahead, asked for a few at a time. (What comes last needs time to arrive, so
-/// the first two thirds of a chunk's products ask for all.)
+/// The lines ahead that FoldQuadrants has left, prefetched a few at a time. (The last ones need time to arrive, so
+/// the first two thirds of a chunk's products prefetch all.)
 class LinesLeft {
  public:
   WELKIN_INLINE LinesLeft(const FetchAhead& ahead, int groups, int iterations)
       : ahead_(ahead), line_(groups), at_once_((3 * (ahead.lines - groups) + 2 * iterations - 1) / (2 * iterations)) {}
 
   WELKIN_INLINE void fetch() {
-    // at_once_ = ceil(left / (2/3 iterations)), left being the lines that folding has not asked for.
+    // at_once_ = ceil(left / (2/3 iterations)), left being the lines that folding has not prefetched.
     for (const int end = line_ + at_once_; line_ < end && line_ < ahead_.lines; ++line_) {
       for (const char* stretch : ahead_.stretches) fetch_line(stretch, line_);
     }

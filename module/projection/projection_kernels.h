@@ -69,7 +69,7 @@ struct SrgbByte {
 /// Memory that will be read soon: four stretches of `lines` cache lines each.
 ///
 /// The runs of a face are too short for a processor to see by itself where the next one begins, so the
-/// kernels ask for it. They ask for a few lines an iteration all through the work: a core has some sixteen
+/// kernels prefetch it, a few lines per iteration all through the work: a core has approximately sixteen
 /// misses in flight at once, a burst only fills those and stalls, and a pause leaves memory idle. (Measured
 /// at 1024 texels on two threads, as a share of read bandwidth: no fetching 60 %, all of it while folding
 /// 67 %, all of it while summing 72 %, spread over both 80 %.)
@@ -98,12 +98,12 @@ struct QuadrantRuns {
 ///   class 0: TL + TR + BL + BR    class 1: (TR + BR) - (TL + BL)
 ///   class 2: (BL + BR) - (TL + TR)    class 3: (TL + BR) - (TR + BL)
 ///
-/// Each group asks for one more line of each of the stretches ahead: `groups` times `runs.rows` of them.
+/// Each group prefetches one more line of each of the stretches ahead: `groups` times `runs.rows` of them.
 using FoldQuadrants = void (*)(const QuadrantRuns& runs, const FetchAhead& ahead, int groups, float* planes);
 
-/// Reads two runs of 16 `groups` texels, the second half a turn on: planes[channel][class][kChunk],
+/// Reads two runs of 16 `groups` texels, the second 180 degrees on: planes[channel][class][kChunk],
 ///   class 0: first + second    class 1: first - second
-/// Each group asks for one more line of each of the stretches ahead.
+/// Each group prefetches one more line of each of the stretches ahead.
 using FoldHalves = void (*)(const void* first, const void* second, const FetchAhead& ahead, int groups, float* planes);
 
 /// Points of a line in space: `start` + u[k] `step`, k < count, none of them 0.
@@ -117,7 +117,7 @@ struct DirectionRun {
 /// True if any of `count` values lies outside [low, high] or is NaN.
 using AnyOutside = bool (*)(const float* values, int count, float low, float high);
 
-/// What a run of values holds; `sum` and the bounds mean something only if all are finite.
+/// Measures of a run of values; `sum` and the bounds mean something only if all are finite.
 struct RowMeasure {
   float sum;  ///< rounded in float, always alike
   float least;
@@ -133,7 +133,7 @@ struct ProjectionKernels {
   ///   planes: [3][class_count][kChunk]    weights: [total][kChunk]    sums: [3][total][kSumLanes]
   /// Sums stay spread over eight lanes so that a chunk costs few instructions to add; `fold_sum_lanes` ends it.
   ///
-  /// Meanwhile asks for the lines ahead that FoldQuadrants has left, after `groups` of each stretch.
+  /// Meanwhile prefetches the lines ahead that FoldQuadrants has left, after `groups` of each stretch.
   void (*weighted_sums)(const float* planes, int class_count, const float* weights, const ClassCounts& counts,
                         int groups, const FetchAhead& ahead, double* sums);
 

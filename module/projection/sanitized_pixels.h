@@ -42,7 +42,7 @@ class SanitizedSource {
   [[nodiscard]] const RowRange& range(int row) const noexcept { return ranges_[static_cast<std::size_t>(row)]; }
   [[nodiscard]] bool has_negatives() const noexcept { return has_negatives_; }
 
-  /// What was read and replaced; its total radiances are left at zero, but for what a clamp took away: see
+  /// Returns counts of texels read and replaced; total radiances stay zero, except for what a clamp removed: see
   /// `clamped_radiance`.
   [[nodiscard]] const ProjectionDiagnostics& diagnostics() const noexcept { return diagnostics_; }
   /// Integral over the sphere of what the clamp took away.

@@ -19,7 +19,7 @@ struct RejectedTexel {
   [[nodiscard]] bool before(const RejectedTexel& other) const noexcept;
 };
 
-/// What was done to the texels of a tile.
+/// A record of what was done to the texels of a tile.
 struct SanitizeRecord {
   std::uint64_t nans = 0;
   std::uint64_t infinities = 0;
@@ -80,7 +80,7 @@ void throw_if_rejected(const SanitizeRecord& record, bool cubemap);
 
 /// Throws `Error` (invalid_argument) with a message that says what was found and what is allowed.
 void check_options(const ProjectionOptions& options);
-/// The same for a policy alone.
+/// Checks a policy alone; throws the same errors.
 void check_policy(const PixelPolicy& policy);
 
 }  // namespace welkin::projection

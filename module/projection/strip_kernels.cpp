@@ -123,7 +123,7 @@ WELKIN_INLINE_UNLESS_SENT void sum_columns(const StripRows& rows, int first, int
   }
 }
 
-/// The same from the last column to the first.
+/// Does so from the last column to the first.
 template <class Channel, int channels, int moments>
 WELKIN_INLINE void sum_columns_reversed(const StripRows& rows, int first, int texels, float* scratch, float* out) {
   float* const sums = scratch;

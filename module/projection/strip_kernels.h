@@ -63,7 +63,7 @@ struct StripPieces {
   StripRows top_left, top_right, bottom_left, bottom_right;
 };
 
-/// Of pieces of `texels` columns (a multiple of 16), the right ones taken from right to left:
+/// Sums pieces of `texels` columns (a multiple of 16), the right ones taken from right to left:
 ///   sums[channel][9][kSumLanes] += the sum over moments and columns of weight times moment,
 /// classes and their order as in FoldQuadrants and `weighted_sums`: 16 lanes for the columns in float, over all moments
 /// and groups of 16 columns, then lanes k + k + 8, then the addition in double.
@@ -74,7 +74,7 @@ using SumStrips = void (*)(const StripPieces& pieces, int texels, const float* w
 ///   planes[moment][channel][class][kChunk], from pieces of `texels` columns (a multiple of 16, at most kChunk).
 using FoldStrips = void (*)(const StripPieces& pieces, int texels, float* scratch, float* planes);
 
-/// What moments weigh, from weights at as many rows as there are moments, which lie symmetrically about the strip's
+/// Weights of moments, from weights at as many rows as there are moments, which lie symmetrically about the strip's
 /// middle: first those above it from the outermost on, the middle one if their number is odd, and last those below,
 /// the innermost first.
 struct MomentsFromRows {

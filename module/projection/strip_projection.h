@@ -31,7 +31,7 @@ class StripProjection {
   StripProjection(const CubemapView& cubemap, const ProjectionOptions& options, std::span<const int> faces,
                   const Sanitizer& sanitizer, const TexelWeights& weights);
 
-  /// What one worker needs, in two pieces.
+  /// One worker's scratch, in two pieces.
   class Scratch {
    public:
     explicit Scratch(const StripProjection& projection);
@@ -55,7 +55,7 @@ class StripProjection {
 
   /// The sums of a tile on each of the faces, [3][bands^2] in the order of the weights.
   void sum_tile(int index, Scratch& scratch) const;
-  /// Of what `sum_tile` left there: the sums on one face, of sanitized texels if they were not all finite.
+  /// Returns one face's sums from what `sum_tile` left there, of sanitized texels if they were not all finite.
   [[nodiscard]] std::span<const double> face_sums(int index, int face, Scratch& scratch, SanitizeRecord& record) const;
 
  private:

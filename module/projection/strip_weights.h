@@ -1,4 +1,4 @@
-// What the moments of a strip weigh in each harmonic.
+// Weights of a strip's moments in each harmonic.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class StripWeights {
   /// Whether the weights are those of `SumStrips`; else `weighted_sums` reads them, moment by moment.
   [[nodiscard]] bool packed() const noexcept { return bands_ == kStripBands; }
 
-  /// How many floats `fill` writes, and how many it needs besides, for a number of columns.
+  /// How many floats `fill` writes, and how many more it needs, for a number of columns.
   [[nodiscard]] std::size_t size(int columns) const noexcept;
   [[nodiscard]] std::size_t scratch_size(int columns) const noexcept;
 

@@ -1,4 +1,4 @@
-// The sun found in a map and taken out of it.
+// Finds the sun in a map and extracts it.
 #include "projection/sun_detection.h"
 
 #include <algorithm>
@@ -129,7 +129,7 @@ class MapTotals {
       sums.solid_angle += steradians[column];
       const double brightness = luminance(radiance);
       const std::int64_t texel = first + static_cast<std::int64_t>(column);
-      // Rows are read class by class, not in the map's order, so the smaller index is asked for: the result is the
+      // Rows are read class by class, not in the map's order, so ties take the smaller index: the result is the
       // first of equals whatever the order.
       const bool first_of_equals = brightness == sums.brightest_luminance && texel < sums.brightest;
       if (sums.brightest < 0 || brightness > sums.brightest_luminance || first_of_equals) {
@@ -221,7 +221,7 @@ glm::dvec3 mean_direction(const image::TexelGrid& grid, const float* pixels, con
 
 /// All finite texels that are at least as bright as `least_luminance` and joined to `seed` by such texels. None if they
 /// are no spot of this radius (0 to 90 degrees): if one of them is farther than that from the mean of their directions,
-/// weighted by luminance, and no neighbour of the seed. Gives up as soon as one is farther than twice the radius from
+/// weighted by luminance, and no neighbour of the seed. Returns as soon as one is farther than twice the radius from
 /// the seed. Takes a bit a texel of the map, and time in proportion to the spot's texels.
 std::optional<BrightRegion> find_bright_region(const image::TexelGrid& grid, const float* pixels, std::int64_t seed,
                                                double least_luminance, double maximum_radius_degrees) {
@@ -242,7 +242,7 @@ std::optional<BrightRegion> find_bright_region(const image::TexelGrid& grid, con
   for (std::size_t next = 0; next < region.spot.size(); ++next) {
     const std::int64_t texel = region.spot[next];
     // If all texels are within the radius of one centre, any two of them are within twice the radius of each other. So
-    // this gives up on spots that the second test would refuse, before a bright sky has been walked to its end.
+    // this rejects spots that the second test would refuse, before a bright sky has been walked to its end.
     // Neighbours of the seed are exempt: on a coarse map one step may be more than the radius.
     if (glm::dot(grid.direction(texel), start) < least_cosine_to_start && !is_beside(texel)) return std::nullopt;
     append_neighbours(grid, texel, seen, region.spot, bright);

@@ -247,7 +247,7 @@ class LatLongHorizon {
   [[nodiscard]] math::SineCosine latitude_at(double row) const noexcept {
     return math::sine_cosine_of_turns(0.25 - row / (2.0 * height_));
   }
-  /// Of the latitude of a row's edge; beyond 1e12 at the poles.
+  /// Returns the tangent of the latitude of a row's edge; beyond 1e12 at the poles.
   [[nodiscard]] double tangent_at(double row) const noexcept {
     const math::SineCosine latitude = latitude_at(row);
     return latitude.sine / std::max(latitude.cosine, 1e-13);
@@ -292,7 +292,7 @@ class LatLongTexels final : public TexelIntegrals {
   void fill(int row, TexelRow& texels) const override {
     const math::SineCosine twice = math::sine_cosine_of_turns(0.5 - (row + 0.5) / height_);  // 2v
     const math::SineCosine half_row = math::sine_cosine_of_turns(0.25 / height_);            // b
-    // d = (sin u cos v, sin v, cos u cos v) and dw = cos v du dv, so with the azimuth of the texel's middle taken out
+    // d = (sin u cos v, sin v, cos u cos v) and dw = cos v du dv, so with the azimuth of the texel's middle removed
     //   level = Int cos(u - u0) du Int cos^2 v dv = 2 sin a (b + sin b cos b cos 2v),
     //   up    = Int du Int sin v cos v dv         = 2 a sin b cos b sin 2v,
     // a = pi / width, b = pi / (2 height). (level, up) is the mean of d times the solid angle, so its direction is the

@@ -1,4 +1,4 @@
-// What every texel of a cubemap face weighs in every face-local harmonic.
+// Weights of a cubemap face's texels in every face-local harmonic.
 //
 // A face's frame has u and v along columns and rows and the normal as third axis; the harmonics of that
 // frame are each even or odd in u and in v. So one quadrant is enough, and all six faces share it. The
@@ -17,7 +17,7 @@
 
 namespace welkin::projection {
 
-/// What the weights depend on.
+/// The parameters that the weights depend on.
 struct TexelWeightsKey {
   int size;  ///< N, texels along a face's edge
   int bands;
@@ -27,7 +27,7 @@ struct TexelWeightsKey {
   bool operator==(const TexelWeightsKey&) const = default;
 };
 
-/// What the projection of faces of `size` needs.
+/// Returns the key of the weights that projecting faces of `size` needs.
 [[nodiscard]] TexelWeightsKey weights_key(int size, const ProjectionOptions& options) noexcept;
 
 /// The Gauss rule for a texel's harmonics. A rule of two points is off by h^4 / 135 times the fourth derivative, which
@@ -59,7 +59,7 @@ class TexelWeights {
   [[nodiscard]] int chunk_count() const noexcept { return chunk_count_; }
   [[nodiscard]] QuadrantChunk chunk(int index) const noexcept;
 
-  /// Weights of a chunk, [bands^2][kChunk] in class order, padding zero. `scratch`: room for
+  /// Weights of a chunk, [bands^2][kChunk] in class order, padding zero. `scratch`: space for
   /// `scratch_size()` floats on a cache line, none if all is stored; what is returned points there or into
   /// the table.
   [[nodiscard]] const float* chunk_weights(int index, float* scratch) const;

@@ -1,4 +1,4 @@
-// What tiles and faces add to a projection, and how that becomes one.
+// Sums of tiles and faces, and how they become a projection.
 #pragma once
 
 #include <cstddef>
@@ -58,7 +58,8 @@ void weighted_sums_in_double(const double* planes, int class_count, const float*
 [[nodiscard]] ProjectionDiagnostics diagnostics_of(std::span<const glm::dvec3> radiance, const SanitizeRecord& record,
                                                    double steradians_per_weight);
 
-/// Of many probes together: counts and total radiance are added up, the error estimate is the largest.
+/// Adds one probe's diagnostics to those of many: counts and total radiance are added up, the error estimate is the
+/// largest.
 void add(ProjectionDiagnostics& sum, const ProjectionDiagnostics& one);
 
 }  // namespace welkin::projection
