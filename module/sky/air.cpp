@@ -12,7 +12,7 @@ namespace {
 
 /// How far the exponent of a density may go within a shell: four Gauss nodes then integrate it to 2e-6.
 constexpr double kLargestExponent = 1.5;
-/// Below which share of what all else takes of the light a density does not count where lengths alone are wanted.
+/// Where lengths alone are wanted, a density that takes less than this fraction of the light all else takes is ignored.
 constexpr double kFaint = 1e-6;
 /// Densities below are too thin to be seen, whatever their slope.
 constexpr double kThinnest = 1e-12;
@@ -69,7 +69,7 @@ bool matters(const Constituent& constituent) noexcept {
   return scatters(constituent) || (!constituent.density.empty() && any_above_0(constituent.absorption_per_m));
 }
 
-// Whether others take so much more of the light there, at every wavelength, that its own slope does not show.
+// Returns whether the others take so much more of the light there, at every wavelength, that its slope does not show.
 bool AirModel::fainter(double share, std::size_t constituent, double altitude) const noexcept {
   for (std::size_t wavelength = 0; wavelength < atmosphere_->wavelengths_nm.size(); ++wavelength) {
     double others = 0.0;
@@ -83,10 +83,9 @@ bool AirModel::fainter(double share, std::size_t constituent, double altitude) c
   return true;
 }
 
-// The steepest exponential that matters between two altitudes, 1/m: of densities that are not negligible at the lower
-// end (falling ones) or at the upper (rising ones).
-// Exponents of several kinds of matter do not add up: Gauss's rule has to integrate each by itself, and the steepest
-// decides.
+// Returns the steepest exponential that matters between two altitudes, 1/m, among densities that are not negligible at
+// the lower end (falling ones) or at the upper (rising ones). Exponents of several kinds of matter do not add up:
+// Gauss's rule has to integrate each by itself, and the steepest decides.
 double AirModel::steepness(double low, double high, double faint) const noexcept {
   double steepest = 0.0;
   for (std::size_t i = 0; i < matter_.size(); ++i) {
@@ -106,7 +105,7 @@ double AirModel::steepness(double low, double high, double faint) const noexcept
 std::vector<double> AirModel::cut_at(const std::vector<double>& breaks, double faint) const {
   std::vector<double> shells{0.0};
   for (std::size_t i = 1; i < breaks.size(); ++i) {
-    // nearer than rounding can tell apart: one and the same
+    // indistinguishable within rounding
     if (!(breaks[i] > shells.back() + 1e-12 * thickness_)) continue;
     double at = shells.back();
     while (shells.size() < kMaxShells) {
@@ -353,7 +352,7 @@ double phase_of(const std::vector<double>& moments, double cosine) noexcept {
 AerosolLobe aerosol_lobe(const Atmosphere& atmosphere, double g, bool backwards) noexcept {
   constexpr double quarter_over_pi = 0.07957747154594767;  // 1 / (4 pi)
   // 1 + g^2 - 2 g nu = (1 - g)^2 + 2 g (1 - nu) = (1 + g)^2 - 2 g (1 + nu): the first has no cancellation where the
-  // lobe is forward, the second where it is backward. A lobe that is turned away from the axis has a large gap and a
+  // lobe is forward, the second where it is backward. A lobe that points away from the axis has a large gap and a
   // negative slope. Cornette and Shanks' 3 / (8 pi) / (2 + g^2) is 1.5 / (2 + g^2) times 1 / (4 pi).
   const double ahead = backwards ? -g : g;
   const bool cornette = atmosphere.aerosol_phase == AerosolPhase::cornette_shanks;

@@ -14,15 +14,15 @@
 namespace welkin::sky {
 namespace {
 
-constexpr double kMinForwardShare = 1e-3;  ///< below, nothing is seen of it
-constexpr double kLastMoment = 1e-4;       ///< of f: no more of them
-constexpr std::size_t kDepths = 33;        ///< even in x / (1 + x)
-constexpr double kDeepest = 0.97;          ///< its last one
+constexpr double kMinForwardShare = 1e-3;  ///< below, its effect is not visible
+constexpr double kLastMoment = 1e-4;       ///< of f: moments below are dropped
+constexpr std::size_t kDepths = 33;        ///< evenly spaced in x / (1 + x)
+constexpr double kDeepest = 0.97;          ///< the last of them
 constexpr double kShallow = 1e-4;
-/// Light that is turned takes longer ways: by so much times 1 - g. Found by trying: of HG 0.95 and depth 0.3 what 8
-/// azimuths hold is then right to 4 % under a sun of 10 degrees, and to 2 % under one of 45.
+/// Deflected light takes longer paths: by this much times 1 - g. Found by trial: of HG 0.95 and depth 0.3, tables of 8
+/// azimuths are then right to 4 % under a sun of 10 degrees, and to 2 % under one of 45.
 constexpr double kLonger = 1.2;
-constexpr double kThickestGlow = 4.0;  ///< tau, beyond which light has been turned by more than little
+constexpr double kThickestGlow = 4.0;  ///< tau, beyond which deflections are no longer small
 
 // y = x / (1 + x) holds all depths in [0, 1): even where they are small, and 32 at the last node.
 double depth_of(std::size_t node) {
@@ -37,20 +37,20 @@ double change(double x, double chi) {
   return (math::exponential(-x * (1.0 - chi)) - math::exponential(-x)) / x - chi;
 }
 
-/// chi_0 and on, until they are negligible beside f.
+/// Returns chi_0 and on, until they are negligible against f.
 /// g^l = kLastMoment f at l = log(kLastMoment f) / log(g); only forward lobes come here, 0 < g < 1.
 std::vector<double> moments_of(const Atmosphere& atmosphere, double g, double forward) {
   const auto count = static_cast<int>(math::logarithm(kLastMoment * forward) / math::logarithm(g));
   return aerosol_moments(atmosphere, g, std::max(count, kNarrowBands + 1));
 }
 
-/// (exp(tau chi) - 1) / (exp(tau) - 1), without what was turned once.
+/// Returns (exp(tau chi) - 1) / (exp(tau) - 1), without the light that was deflected once.
 double often(double tau, double chi) {
   if (tau < kShallow) return 0.5 * tau * chi * chi;
   return (math::exponential(tau * chi) - 1.0 - tau * chi) / (math::exponential(tau) - 1.0);
 }
 
-/// The share of S that was turned once.
+/// Returns the fraction of S that was deflected once.
 double once(double tau) { return tau < kShallow ? 1.0 - 0.5 * tau : tau / (math::exponential(tau) - 1.0); }
 
 /// tau of x.
@@ -96,8 +96,8 @@ std::vector<double> once_table(const Atmosphere& atmosphere, double g, double fo
   return table;
 }
 
-/// The same where the share is large. Beyond the bands P + D is exp(-x) P and what falls as the square of chi, so that
-/// bands that are left out do not ring.
+/// Returns (P + D) / P where f is large. Beyond the kept bands P + D is exp(-x) P and a part that falls as the square
+/// of chi, so that truncating its bands causes no ringing.
 /// With tau = x / f and chi_f = chi / f, the moment of P + D in a band beyond those that are kept is
 /// chi + f ((exp(-x (1 - chi_f)) - exp(-x)) / x - chi_f) = exp(-x) (exp(tau chi) - 1) / tau = exp(-x) (chi + `more`),
 /// `more` = (exp(tau chi) - 1 - tau chi) / tau = tau chi^2 / 2 + ... The part exp(-x) chi of all bands is exp(-x) P in
@@ -131,7 +131,7 @@ std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double fo
   return table;
 }
 
-/// A place among the depths.
+/// Returns the position of a depth among the nodes.
 Between place_of(double depth) {
   const double x = std::max(0.0, depth);
   return between(std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0), static_cast<int>(kDepths));

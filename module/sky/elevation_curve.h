@@ -34,13 +34,13 @@ class CurveAxis {
   double step_ = 1.0;
 };
 
-/// Hermite's cubics for several functions at once: of node k, function i, values[(k * functions + i) * 2] and after it
-/// the slope a step.
+/// Hermite cubics for several functions at once: function i has its value at node k in values[(k * functions + i) * 2],
+/// followed by the slope per step.
 struct CurveValues {
   std::size_t functions = 0;
   std::vector<double> values;
 
-  /// All functions at a place, to `results`.
+  /// Writes all functions' values at a position to `results`.
   void at(const CurveAxis::Place& place, double* results) const noexcept;
   [[nodiscard]] double& value(int node, std::size_t function) noexcept {
     return values[(static_cast<std::size_t>(node) * functions + function) * 2];

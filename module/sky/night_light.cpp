@@ -15,8 +15,8 @@
 namespace welkin::sky {
 namespace {
 
-constexpr double kAirglowShare = 0.6;    // Patat 2003, table C.1
-constexpr double kAirglowLayer = 130e3;  // m above the ground; likewise
+constexpr double kAirglowShare = 0.6;    // f; Patat 2003, table C.1
+constexpr double kAirglowLayer = 130e3;  // H, m above the ground; Patat 2003, table C.1
 
 /// A photometric band: what a star of magnitude 0 sends (Bessell 1979, as tabulated by J. Huchra, "Photometric
 /// Systems"), and the dark sky over Paranal, magnitudes a square arcsecond (Patat 2003, abstract).
@@ -32,7 +32,7 @@ constexpr std::array<Band, 5> kBands{{{360.0, 1810.0, 22.3},    // U
                                       {640.0, 3080.0, 20.9},    // R
                                       {790.0, 2550.0, 19.7}}};  // I
 
-/// Per wavelength, in any unit. A jansky is of frequency: over the square of the wavelength it is of that.
+/// Returns radiance per wavelength, in any unit. A jansky is per frequency: over the squared wavelength it is per that.
 /// f_lambda = f_nu c / lambda^2, and a magnitude is a factor 10^(-2/5) = exp(-ln(10) / 2.5).
 double band_radiance(const Band& band) {
   constexpr double magnitude = 0.921034037197618;  // ln(10) / 2.5
@@ -50,8 +50,8 @@ double spectrum(double wavelength_nm) {
   return low + part * (band_radiance(kBands[i + 1]) - low);
 }
 
-/// Of each wavelength to the channels: the zenith's radiance as seen from the ground. Its luminance, by the same
-/// weights that fold spectra to colours, is what the atmosphere asks for.
+/// Returns what each wavelength adds to the channels of the zenith's radiance as seen from the ground, scaled so that
+/// its luminance, by the weights that fold spectra to colours, is the atmosphere's `night_zenith_luminance`.
 std::vector<glm::dvec3> zenith_channels(const SkyTables& tables) {
   const std::vector<double>& wavelengths = tables.atmosphere.wavelengths_nm;
   const std::vector<glm::dvec3> folded = srgb_weights(wavelengths);
@@ -66,7 +66,7 @@ std::vector<glm::dvec3> zenith_channels(const SkyTables& tables) {
   return channels;
 }
 
-/// Optical depths of the air above an altitude, one a wavelength.
+/// Returns optical depths of the air above an altitude, one per wavelength.
 std::vector<double> depths_above(const Atmosphere& atmosphere, double altitude) {
   const AirModel air(atmosphere);
   RayPanels panels(air);
@@ -92,8 +92,8 @@ NightLight::NightLight(const SkyTables& tables, double altitude_m) {
   for (int node = 0; node < kNightNodes; ++node) {
     const double cosine = lowest_ + (1.0 - lowest_) * node / (kNightNodes - 1);
     // A line at the angle z from the zenith at radius r crosses the layer's sphere at an angle whose sine is b / layer,
-    // b = r sin z: it is 1 / cos of that as long there as the vertical one. The air is given the same path (Patat
-    // 2003).
+    // b = r sin z. Its path there is 1 / cos of that angle times the vertical one. The air is given the same path
+    // (Patat 2003).
     const double ratio = (bottom + altitude_m) / layer;
     const double path = 1.0 / std::sqrt(1.0 - ratio * ratio * std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
     glm::dvec3 rgb(0.0);

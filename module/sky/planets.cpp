@@ -30,7 +30,7 @@ constexpr std::array<double, kWavelengths> kSolarIrradiance{
     1.34188, 1.31429, 1.28303, 1.26758, 1.2367,  1.2082,  1.18737, 1.14683, 1.12362, 1.1058,  1.07124, 1.04992};
 
 // Ozone's cross section, m2 a molecule, at 233 K and the same wavelengths: the spectra of the University of Bremen's
-// molecular spectroscopy group (2011), averaged likewise in the same file.
+// molecular spectroscopy group (2011), averaged over the same intervals in the same file.
 constexpr std::array<double, kWavelengths> kOzoneCrossSection{
     1.18e-27,  2.182e-28, 2.818e-28, 6.636e-28, 1.527e-27, 2.763e-27, 5.52e-27,  8.451e-27, 1.582e-26, 2.316e-26,
     3.669e-26, 4.924e-26, 7.752e-26, 9.016e-26, 1.48e-25,  1.602e-25, 2.139e-25, 2.755e-25, 3.091e-25, 3.5e-25,
@@ -195,7 +195,7 @@ Atmosphere earth_hillaire() {
   air.name = "Earth (Hillaire 2020)";
   air.top_radius_m = 6'460'000.0;
   air.rayleigh.scattering_per_m = {5.802e-6, 13.558e-6, 33.1e-6};
-  // Scattering 3.996e-6. The paper's table has 4.40e-6 beside it as absorption; its author's program computes with an
+  // Scattering 3.996e-6. The paper's table also has 4.40e-6 as absorption; its author's program computes with an
   // extinction of 4.440e-6, nine tenths of which scatter as in Bruneton's, and so does this.
   air.aerosol.scattering_per_m = {3.996e-6, 3.996e-6, 3.996e-6};
   air.aerosol.absorption_per_m = {0.444e-6, 0.444e-6, 0.444e-6};
@@ -206,7 +206,7 @@ Atmosphere earth_hillaire() {
 
 namespace {
 
-// Mean cosine of the angle that Martian dust turns light by, in bands of 240 to 400, 400 to 800 and 800 to 1310 nm,
+// Mean cosine of the angle by which Martian dust deflects light, in bands of 240 to 400, 400 to 800 and 800 to 1310 nm,
 // each at its middle: Ockert-Bell et al. 1997 ("Absorption and scattering properties of the Martian dust in the solar
 // wavelengths"), weighted by the sun's spectrum, as the Mars climate model of NASA Ames has it (its array gv1). Between
 // them straight lines: 0.688, 0.728 and 0.789 at 680, 550 and 440 nm. (Others at 650 nm: 0.691, the T-matrix dust of

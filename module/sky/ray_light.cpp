@@ -13,31 +13,30 @@ namespace welkin::sky {
 namespace {
 
 constexpr std::size_t kLanes = simd::kLanes;
-constexpr double kNegligible = 3e-4;       ///< share of what a panel scatters that is taken for the other matter's
-constexpr double kUnseen = 1e-9;           ///< share of a ray's aerosol that is left out
+constexpr double kNegligible = 3e-4;       ///< fraction of a panel's scattering that is credited to the other matter
+constexpr double kUnseen = 1e-9;           ///< fraction of a ray's aerosol that is left out
 constexpr double kThinPanel = 2.5;         ///< scale heights that a sample may stand for...
 constexpr double kThinStep = 1.3;          ///< ... or steps of a source's heights
 constexpr std::size_t kMaxSunNodes = 256;  ///< of a row of sunlight
 constexpr int kGlowNodes = 1025;
-constexpr double kGlowDepth = 0.5;  ///< of aerosol, that a glow is typical of
-constexpr double kEvenGlow = 0.03;  ///< share of it that is the same from everywhere
+constexpr double kGlowDepth = 0.5;  ///< of aerosol, typical of a glow
+constexpr double kEvenGlow = 0.03;  ///< fraction of it that is the same from everywhere
 
 std::size_t padded(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-/// Place of an angle of that cosine among nodes evenly from 0 to pi.
-/// Half a turn is n - 1 steps. atan2 of sine and cosine keeps digits near 0 and 180 degrees, where arccos loses half of
-/// them.
+/// Returns the position of an angle of that cosine among nodes evenly spaced from 0 to pi: 180 degrees are n - 1 steps.
+/// atan2 of sine and cosine keeps digits near 0 and 180 degrees, where arccos loses half of them.
 double angle_position(double cosine, int nodes) noexcept {
   const double sine = std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine)));
   return 2.0 * math::turns_of(sine, cosine) * (nodes - 1);
 }
 
-/// What nodes of a ray that follow each other scatter.
+/// Scattering of consecutive nodes of a ray.
 struct ScatteredWeights {
   double distance = 0.0;
   double whole = 0.0;
   double shares[2]{};      ///< of molecules and aerosol
-  double weights[2][3]{};  ///< likewise, at each wavelength
+  double weights[2][3]{};  ///< of molecules and aerosol, at each wavelength
 };
 
 ScatteredWeights weights_of(const RayNode* nodes, std::size_t count, const WavelengthGroup& group) noexcept {
@@ -114,13 +113,13 @@ WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::sp
   return wavelengths;
 }
 
-// Light that was turned n times by a lobe of moments chi has the moments chi^n (each convolution multiplies them).
-// Under a depth t the n-fold turned light is in proportion to t^n / n!. Light that arrives turned n >= 1 times and is
-// turned once more has
+// Light deflected n times by a lobe of moments chi has the moments chi^n (each convolution multiplies them). Under a
+// depth t, light deflected n times is in proportion to t^n / n!. Light that arrives after n >= 1 deflections and is
+// deflected once more has
 //   chi Sum_(n >= 1) (t chi)^n / n! / Sum_(n >= 1) t^n / n! = chi (exp(t chi) - 1) / (exp(t) - 1),
-// which is 1 for chi = 1: the whole of it integrates to 1. t is taken as `kGlowDepth` for all air. Light that has come
-// round by the ground or by large turns is about even, and is added as `kEvenGlow`. Sources are divided by the glow at
-// their nodes and multiplied by it where they are read: its error is not seen at nodes, and between them costs only
+// which is 1 for chi = 1: the whole of it integrates to 1. t is taken as `kGlowDepth` for all air. Light that arrives
+// by way of the ground or by large deflections is about uniform, and is added as `kEvenGlow`. Sources are divided by
+// the glow at their nodes and multiplied by it in lookups: its error cancels at nodes, and between them costs only
 // resolution.
 Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
   for (const PhaseSpectrum& spectrum : spectra) {

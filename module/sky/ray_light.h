@@ -1,4 +1,4 @@
-// The light that air scatters anew: over height, direction and sun.
+// Light scattered again in the air, over height, direction and sun.
 #pragma once
 
 #include <array>
@@ -28,31 +28,31 @@ struct SourceShape {
   bool narrow = false;       ///< the aerosol's lobe: its light is held relative to a glow
   double height_bend = 0.0;  ///< b; 0: not bent
 
-  /// Texels over angles and suns.
+  /// Returns texels over angles and suns.
   [[nodiscard]] std::size_t image() const noexcept {
     return static_cast<std::size_t>(angles) * static_cast<std::size_t>(suns);
   }
-  /// Fine steps of suns, filled up to a multiple of 16.
+  /// Returns fine steps of suns, padded to a multiple of 16.
   [[nodiscard]] std::size_t sun_steps() const noexcept {
     return (static_cast<std::size_t>((suns - 1) * kSunSteps + 1) + 15) / 16 * 16;
   }
-  /// Floats of the aerosol's source.
+  /// Returns floats of the aerosol's source.
   [[nodiscard]] std::size_t size() const noexcept {
     return static_cast<std::size_t>(heights) * static_cast<std::size_t>(zeniths) * 4 * image();
   }
-  /// Of the molecules' at a height.
+  /// Returns floats of the molecules' source at one height.
   [[nodiscard]] std::size_t molecule_row() const noexcept {
     return static_cast<std::size_t>(kMoleculeTerms) * 4 * static_cast<std::size_t>(suns);
   }
 };
 
-/// How light that a narrow lobe has turned more than once is spread about the sun, in the solver's bands: about as fast
-/// as it falls from the sun's direction, which nodes 6 to 7 degrees apart do not resolve. Sources of the aerosol are
-/// held relative to it.
+/// Distribution about the sun of light that a narrow lobe has deflected more than once, in the solver's bands. It falls
+/// off from the sun's direction about as fast as that light, which nodes 6 to 7 degrees apart do not resolve. Sources
+/// of the aerosol are held relative to it.
 class Glow {
  public:
   Glow() = default;
-  /// One spectrum of all channels, or one of each (`phase_spectra`).
+  /// Takes one spectrum for all channels, or one per channel (`phase_spectra`).
   explicit Glow(const std::vector<PhaseSpectrum>& spectra);
 
   [[nodiscard]] bool any() const noexcept { return !values_.empty(); }
@@ -62,8 +62,7 @@ class Glow {
   std::vector<std::vector<double>> values_;  ///< over evenly spaced angles
 };
 
-/// Radiance that arrives from everywhere, folded with a phase function: what a unit of scattering sends on in a
-/// direction.
+/// Radiance arriving from everywhere, folded with a phase function: what a unit of scattering sends in a direction.
 struct ScatteringSource {
   SourceShape shape;
   Glow glow;  ///< the aerosol's is relative to it, if there is any
@@ -73,8 +72,8 @@ struct ScatteringSource {
 
   /// Mean over all directions and channels: [heights][suns].
   std::vector<double> brightness;
-  /// The same between suns (`resample_log_cubic`): [heights][sun_steps()]. What is read between suns is the source
-  /// relative to it, which changes little where light falls by decades.
+  /// `brightness` resampled between suns (`resample_log_cubic`): [heights][sun_steps()]. Lookups between suns
+  /// interpolate the source relative to it, which changes little where light falls by decades.
   std::vector<float> steps;
 
   explicit ScatteringSource(const SourceShape& nodes, bool with_aerosol)
@@ -89,37 +88,37 @@ struct ScatteringSource {
 
 [[nodiscard]] SunAxis sun_axis(const TableMapping& mapping, int nodes) noexcept;
 
-/// Metres above the ground of a node of heights.
+/// Returns metres above the ground of a node of heights.
 [[nodiscard]] double source_altitude(const TableMapping& mapping, const SourceShape& shape, std::size_t node) noexcept;
-/// Position among a source's heights, 0 to heights - 1, of a tables' coordinate of heights.
+/// Returns the position among a source's heights, 0 to heights - 1, for a tables' coordinate of heights.
 [[nodiscard]] double source_height(const SourceShape& shape, double height_coordinate) noexcept;
 
 // Light gathered along one ray for many suns: scratch of one worker.
 
-/// What an atmosphere does to light of three wavelengths, computed together.
+/// Coefficients of an atmosphere at three wavelengths, which are computed together.
 struct WavelengthGroup {
   Extinctions extinctions{};
   std::array<double, 3> rayleigh{};      ///< scattering, 1/m
-  std::array<double, 3> aerosol{};       ///< likewise, without what goes straight on
-  std::array<double, 3> aerosol_once{};  ///< all of it: what light is scattered by first
+  std::array<double, 3> aerosol{};       ///< scattering, 1/m, without the part that goes straight on
+  std::array<double, 3> aerosol_once{};  ///< all of the scattering, for the first order
   std::array<double, 3> asymmetry{};     ///< g of the aerosol
   std::array<double, 3> albedo{};
   std::array<double, 3> solar{};
 };
 
-/// Wavelengths 3 `group` and the next two; beyond the last: the last again. Of what the aerosol scatters, a
-/// wavelength's share of `forward` (`forward_shares`; none: 0) counts neither as scattered nor as taken out.
+/// Returns wavelengths 3 `group` and the next two, the last one repeated beyond the end. A wavelength's fraction
+/// `forward` of what the aerosol scatters (`forward_shares`; none: 0) counts neither as scattered nor as extinction.
 [[nodiscard]] WavelengthGroup wavelength_group(const AirModel& air, std::size_t group, std::span<const double> forward);
 
-/// What a stretch of a ray sends on of light that is nearly the same all over it: one sample in the middle of what
-/// scatters, which is exact for sources that vary linearly along it. Of no sun, and so kept from order to order.
+/// Scattering along a stretch of a ray over which light is nearly the same: one sample at the centroid of the
+/// scattering, exact for sources that vary linearly along it. It depends on no sun, and is kept from order to order.
 struct ScatteringPanel {
   float start_ratio, distance_ratio;  ///< as a sample's (sky_kernels.h)
   float view_cosine;
   std::int32_t height, zenith;  ///< of a source's nodes, the one below
   float height_fraction, zenith_fraction;
   bool scatters[2];     ///< whether molecules and aerosol do
-  float weights[2][3];  ///< likewise, at each wavelength
+  float weights[2][3];  ///< of molecules and aerosol, at each wavelength
 };
 
 class RayLight {
@@ -128,7 +127,7 @@ class RayLight {
   RayLight(const AirModel& air, const SourceShape& shape, std::size_t count);
 
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
-  /// The sun's zenith cosine at the ray's start, and its cosine with the ray.
+  /// Sets the sun's zenith cosine at the ray's start, and its cosine with the ray.
   void set_sun(std::size_t i, double zenith_cosine, double angle_cosine) noexcept {
     zenith_cosine_.data()[i] = static_cast<float>(zenith_cosine);
     angle_cosine_.data()[i] = static_cast<float>(angle_cosine);
@@ -137,14 +136,14 @@ class RayLight {
     return static_cast<double>(angle_cosine_.data()[i]);
   }
 
-  /// Places samples along a ray; what follows is about it.
+  /// Places samples along a ray, to which the functions below refer.
   void place(const AirModel& air, const Ray& ray, const WavelengthGroup& group) noexcept;
 
-  /// Sunlight scattered once, without phase functions, coefficients and irradiance: metres. [count][8]: three channels
-  /// of the molecules', a place left out, three of the aerosol's, another.
+  /// Returns sunlight scattered once, without phase functions, coefficients and irradiance: metres. [count][8]: three
+  /// channels of the molecules', one unused, three of the aerosol's, one unused.
   const float* sunlight(const SolverKernels& kernels, const AirModel& air, const Sunlight& light) noexcept;
 
-  /// The ray's samples of light that was scattered before, in the direction of the ray. Valid until the next call.
+  /// Returns the ray's samples of light that was scattered before, in the ray's direction. Valid until the next call.
   std::span<const ScatteringPanel> panels(const AirModel& air, const WavelengthGroup& group, const SourceShape& shape,
                                           const TableMapping& mapping) noexcept;
 

@@ -72,7 +72,7 @@ RayPanels::RayPanels(const AirModel& air) {
 }
 
 void RayPanels::add(double place, double length) noexcept {
-  // Ends that rounding cannot tell apart would make panels of no length; places come in rising order.
+  // Ends that rounding cannot tell apart would make panels of no length; distances come in rising order.
   if (place > ends_.back() + 1e-12 * length && place < length * (1.0 - 1e-12)) ends_.push_back(place);
 }
 

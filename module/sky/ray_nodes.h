@@ -12,16 +12,16 @@
 
 namespace welkin::sky {
 
-inline constexpr std::size_t kPanelNodes = 4;   ///< of Gauss and Legendre
+inline constexpr std::size_t kPanelNodes = 4;   ///< of a Gauss-Legendre rule
 inline constexpr std::size_t kMaxPanels = 384;  ///< of one ray
 inline constexpr std::size_t kMaxRayNodes = kPanelNodes * kMaxPanels;
 
-/// Places along a ray, rising, at which it passes shells and where it is nearest to the ground; 0 and its length too.
+/// Rising distances along a ray at which it crosses shells and where it is nearest to the ground; 0 and its length too.
 /// Scratch of a fixed size: nothing is allocated after construction.
 class RayPanels {
  public:
   explicit RayPanels(const AirModel& air);
-  /// A copy's vector would have lost its room.
+  /// A copy's vector would lose its capacity.
   RayPanels(const RayPanels&) = delete;
   RayPanels& operator=(const RayPanels&) = delete;
   RayPanels(RayPanels&&) noexcept = default;
@@ -37,10 +37,10 @@ class RayPanels {
   std::vector<double> ends_;
 };
 
-/// Density integrated along a whole ray, metres, each constituent's. Relative error some 1e-6.
+/// Returns each constituent's density integrated along a whole ray, metres. Relative error about 1e-6.
 [[nodiscard]] PerConstituent lengths_along(const AirModel& air, const Ray& ray, RayPanels& panels) noexcept;
 
-// Density-weighted lengths along the rays of a table: no wavelength changes them, no ground, and no amount of haze.
+// Density-weighted lengths along the rays of a table: independent of wavelength, ground and amount of haze.
 
 struct RayLengths {
   std::vector<PerConstituent> amounts;  ///< `lengths_along` each ray
@@ -51,8 +51,8 @@ struct RayLengths {
   }
 };
 
-/// Those of the last few tables are kept: a sky that only changes its ground or how much of its haze there is computes
-/// them once. Throws `Error` (cancelled).
+/// Returns the lengths of a table's rays. Those of the last few tables are cached: a sky that only changes its ground
+/// or the amount of its haze computes them once. Throws `Error` (cancelled).
 [[nodiscard]] std::shared_ptr<const RayLengths> lengths_of(const AirModel& air, std::vector<Ray> rays,
                                                            const Control& control);
 
@@ -70,8 +70,8 @@ struct RayNode {
   std::array<double, 3> transmittance;  ///< from the ray's start
 };
 
-/// Samples of a ray such that integrals of density, transmittance and smooth light are right to some 1e-4: Gauss nodes
-/// on panels that end at shells, are short against the planet's curve, and thin to the eye at three wavelengths.
+/// Samples of a ray such that integrals of density, transmittance and smooth light are right to about 1e-4: Gauss nodes
+/// on panels that end at shells, are short against the planet's curve, and optically thin at three wavelengths.
 class RayNodes {
  public:
   explicit RayNodes(const AirModel& air);

@@ -22,24 +22,24 @@ using solver::each, solver::fill, solver::index, solver::kSunBlock, solver::kZen
 using std::numbers::pi;
 
 constexpr int kPhaseNodes = 513;
-constexpr double kSmallestLobe = 0.05;   ///< below that share no direction is near the lobe
+constexpr double kSmallestLobe = 0.05;   ///< below this sum no direction is near the lobe
 constexpr std::size_t kKeptPanels = 96;  ///< of a ray's samples of scattered light
 
-constexpr int kMinAzimuths = 8;  ///< that the second order is followed along; further ones along three quarters
-constexpr int kMinHeights = 24;  ///< that every other one of which carries further orders
+constexpr int kMinAzimuths = 8;  ///< along which the second order is followed; further ones use three quarters
+constexpr int kMinHeights = 24;  ///< from which on only every other height carries further orders
 
-// Of what orders beyond the last one add.
+// Estimating the light of orders beyond the last one.
 constexpr int kRestOrders = 2;            ///< more that are followed, along half of the azimuths, ...
 constexpr int kMaxRestOrders = 24;        ///< ... or, where the ratio of two orders still changes, up to so many
 constexpr double kSettled = 1e-3;         ///< of all light: how far the sum may be wrong by that change
-constexpr double kMaxRatioToMean = 1.25;  ///< of a place's ratio of two orders to that of all places, ...
-constexpr double kMinLoss = 0.75;         ///< ... and least loss of light from one to the next, of that of all places
+constexpr double kMaxRatioToMean = 1.25;  ///< of a node's ratio of two orders to that of all nodes, ...
+constexpr double kMinLoss = 0.75;         ///< ... and min loss of light from one to the next, of that of all nodes
 constexpr double kLargestRatio = 0.95;    ///< beyond which a sum would multiply errors by 20 and more
 
-/// Light of order after order, of all places, at three wavelengths.
+/// Light of order after order, summed over all nodes, at three wavelengths.
 class OrderSums {
  public:
-  /// Returns what this order is of all before it; 1 of the first.
+  /// Returns this order's fraction of all before it; 1 for the first.
   double add(const std::array<double, 3>& order) {
     before_ = last_ratio_;
     double sum = 0.0;
@@ -54,8 +54,8 @@ class OrderSums {
     return all > 0.0 ? sum / all : 1.0;
   }
 
-  /// How far the sum of a geometric series may be wrong, as a share of all light, if its ratio changes once more by as
-  /// much as it did last: d/dr 1 / (1 - r) times that. Where there is no sum (`kLargestRatio`), all of it.
+  /// Returns the possible error of a geometric series' sum, as a fraction of all light, if its ratio changes once more
+  /// by as much as it did last: d/dr 1 / (1 - r) times that. Where there is no sum (`kLargestRatio`), all of it.
   [[nodiscard]] double doubt() const {
     double most = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -124,7 +124,7 @@ std::uint64_t SourceSolver::bytes(const SourceShape& shape, bool with_aerosol) n
 void SourceSolver::set_rules() {
   const int bands = bands_;
   for (int k = 0; k < shape_.suns; ++k) {
-    // Of a sun in the zenith no azimuth matters: its node stands half a degree beside it.
+    // For a sun in the zenith no azimuth matters: its node is placed half a degree off it.
     const double cosine = mapping_.smooth_sun_zenith_cosine(static_cast<double>(k) / (shape_.suns - 1));
     sun_cosines_.push_back(std::min(cosine, math::sine_cosine_of_turns(solver::kOffAxis).cosine));
     sun_sines_.push_back(std::sqrt(std::max(0.0, (1.0 - sun_cosines_.back()) * (1.0 + sun_cosines_.back()))));
@@ -152,7 +152,7 @@ void SourceSolver::set_rules() {
   for (std::size_t lobe = 0; lobe < spectra_.size(); ++lobe) {
     for (int k = 0; k < kPhaseNodes; ++k) {
       const double cosine = math::sine_cosine_of_turns(0.5 * k / (kPhaseNodes - 1)).cosine;
-      // Of a narrow lobe the swings below 0 are as large as what it scatters back: without them that would be twice.
+      // A narrow lobe's swings below 0 are as large as what it scatters back: clamping them would double that.
       const std::vector<double>& moments = spectra_[lobe].aerosol;
       aerosol_phase_.push_back(source_.glow.any() ? math::sum_of_degrees(moments, cosine) : phase_of(moments, cosine));
     }
@@ -175,8 +175,8 @@ void SourceSolver::set_azimuths(int count) {
   }
 }
 
-// A lobe narrower than the directions lie apart would be counted too often or too seldom: the sum of the phase function
-// over the directions is made 1, as it is over the sphere (Wiscombe 1976).
+// A lobe narrower than the spacing of directions would be counted too often or too seldom. The sum of the phase
+// function over the directions is made 1, as it is over the sphere (Wiscombe 1976).
 void SourceSolver::set_lobe_scale(std::size_t lobe) {
   const std::size_t suns = index(shape_.suns);
   for (std::size_t h = 0; h < rules_.size(); ++h) {
@@ -233,7 +233,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   }
   for (int order = orders_ + 1; rest; ++order) {
     next_source(part(2 * order - 3));
-    // Both are kept from before the order is followed: the ratio of a place is that of this order to the one before.
+    // Both are kept from before the order is followed: a node's ratio is that of this order to the one before.
     const std::vector<double> scalar = scalar_;
     const std::vector<double> irradiance = order_irradiance_;
     follow_less(order);
@@ -251,7 +251,7 @@ void SourceSolver::solve(const Options& options, const Control& control) {
   if (control.progress) control.progress(1.0);
 }
 
-// What the ground reflects into the source of the order after the next is the irradiance by the last one.
+// The irradiance of the ground by the last order enters the source of the order after the next.
 void SourceSolver::next_source(const Control& control) {
   gather(control);
   direct_ground_ = false;
@@ -261,13 +261,13 @@ void SourceSolver::next_source(const Control& control) {
   }
 }
 
-// 1 / (1 - ratio), what an order and all that follow it add up to if each is to the one before as it is itself. The
-// ratio is a place's own, for light at night dies out more slowly than by day; but where it has only begun to arrive
-// it tells nothing of the orders to come, so that it is held near the mean of all places. In air so thick that hardly
-// any light is lost between two orders, a sum would be a multiple of the order's errors: there is none.
-// The ratio may exceed that of all places by a factor 1.25, but 1 - r must be at least 0.75 of theirs: the second bound
-// is the stricter one for mean ratios above 1/2 (1.25 m = 1 - 0.75 (1 - m) there), where a factor on r alone could
-// reach 1.
+// Returns 1 / (1 - ratio): what an order and all that follow it add up to if the ratio of each to the one before stays
+// the same. The ratio is each node's own, for light at night dies out more slowly than by day. Where light has only
+// begun to arrive, the ratio predicts nothing about later orders, so that it is held near the mean of all nodes. In air
+// so thick that hardly any light is lost between two orders, a sum would be a multiple of the order's errors: there is
+// none. The ratio may exceed that of all nodes by a factor 1.25, but 1 - r must be at least 0.75 of theirs: the second
+// bound is the stricter one for mean ratios above 1/2 (1.25 m = 1 - 0.75 (1 - m) there), where a factor on r alone
+// could reach 1.
 std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& before,
                                                  const std::vector<double>& last) const {
   const std::size_t suns = index(shape_.suns);
@@ -288,7 +288,7 @@ std::vector<double> SourceSolver::sums_of_series(const std::vector<double>& befo
   return factors;
 }
 
-// Times factors of heights, channels and suns; none: 1.
+// Adds an order times factors per height, channel and sun; no factors: 1.
 void SourceSolver::add_order(const std::vector<double>& factors, const std::vector<double>& irradiance_factors) {
   for (std::size_t i = 0; i < irradiance_.size(); ++i) {
     irradiance_[i] += (irradiance_factors.empty() ? 1.0 : irradiance_factors[i]) * order_irradiance_[i];
@@ -418,7 +418,7 @@ void SourceSolver::add_scattered(std::size_t height, std::size_t zenith, const R
   }
 }
 
-// Of the last order: irradiance from above, and the mean over all directions.
+// Computes the last order's irradiance from above, and its mean over all directions.
 void SourceSolver::measure() {
   each(followed_, [&](std::size_t height) { measure_at(height); });
   for (const std::size_t height : skipped_) {
@@ -448,7 +448,7 @@ void SourceSolver::measure_at(std::size_t height) {
   }
 }
 
-// Of all heights and suns alike.
+// Returns per wavelength the mean radiance of the last order summed over all heights and suns.
 std::array<double, 3> SourceSolver::scattered() const noexcept {
   std::array<double, 3> sums{};
   for (std::size_t i = 0; i < scalar_.size(); ++i) sums[i / index(shape_.suns) % 3] += scalar_[i];

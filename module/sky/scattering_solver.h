@@ -6,7 +6,7 @@
 // direction and sun, is integrated along the rays of those few hundred directions for the next order; tables get the
 // sum of all sources at once.
 //
-// What further orders would add is estimated, unless it is not wanted: two more orders, or as many as it takes for the
+// The light of further orders is estimated unless the caller declines: two more orders, or as many as it takes for the
 // ratio of two to settle, and after the last of them the sum of a geometric series for each height, wavelength and sun
 // (`sums_of_series`).
 #pragma once
@@ -21,13 +21,13 @@
 
 namespace welkin::sky {
 
-/// What a node of the aerosol's source, of an angle between direction and sun, holds. Of one that no direction at its
-/// zenith angle makes, as interpolation between zenith angles, angles and suns needs it: the light at the nearest angle
-/// that one does, and beyond it as it changes up to there from an angle that lies as far inside as the node outside.
+/// Nodes of the aerosol's source over the angle between direction and sun. A node that no direction at its zenith angle
+/// reaches holds what interpolation between zenith angles, angles and suns needs: the light at the nearest angle that a
+/// direction reaches, extrapolated by its change up to there from an angle as far inside as the node lies outside.
 struct SourceNodes {
   std::vector<float> azimuths;      ///< cos phi of the node or the nearest
   std::vector<float> inside;        ///< ... and of the one inside; with `slopes`
-  std::vector<float> slopes;        ///< steps that the node lies beyond; 0 of one that directions make
+  std::vector<float> slopes;        ///< steps by which the node lies beyond; 0 of a node that directions reach
   std::vector<float> inverse_glow;  ///< [nodes][2][3] of both; empty: no glow
 };
 
@@ -43,20 +43,20 @@ class SourceSolver {
   SourceSolver(const AirModel& air, const TableMapping& mapping, const Sunlight& light, const WavelengthGroup& group,
                const SourceShape& shape);
 
-  /// Bytes that it takes for itself, the sources included.
+  /// Returns the bytes that a solver needs, the sources included.
   [[nodiscard]] static std::uint64_t bytes(const SourceShape& shape, bool with_aerosol) noexcept;
 
   /// Throws `Error` (cancelled).
   void solve(const Options& options, const Control& control);
 
-  /// The sum of the sources of orders 2 and up.
+  /// Returns the sum of the sources of orders 2 and up.
   [[nodiscard]] const ScatteringSource& source() const noexcept { return total_; }
   [[nodiscard]] bool any() const noexcept { return orders_ > 1; }
-  /// Irradiance on a horizontal surface facing up by all orders: [heights][3][suns].
+  /// Returns the irradiance on a horizontal surface facing up by all orders: [heights][3][suns].
   [[nodiscard]] const std::vector<double>& irradiance() const noexcept { return irradiance_; }
   [[nodiscard]] int orders() const noexcept { return orders_; }
   [[nodiscard]] double last_change() const noexcept { return last_change_; }
-  /// How far the estimate of further orders may be wrong, as a share of all light; 0 without one.
+  /// Returns the possible error of the estimate of further orders, as a fraction of all light; 0 without an estimate.
   [[nodiscard]] double doubt() const noexcept { return doubt_; }
 
  private:
@@ -120,7 +120,7 @@ class SourceSolver {
 
   SunAxis axis_;                          ///< of the source
   std::vector<ScatteringPanel> panels_;   ///< of rays that have few enough: [heights][zeniths][kKeptPanels]
-  std::vector<std::size_t> panel_count_;  ///< [heights][zeniths]; more than are kept: they are placed anew
+  std::vector<std::size_t> panel_count_;  ///< [heights][zeniths]; beyond kKeptPanels they are recomputed
 
   std::vector<float> radiance_;  ///< of the last order: [heights][zeniths][3][azimuths][suns]
   ScatteringSource source_;

@@ -22,10 +22,10 @@ namespace {
 /// w: at the horizon 256 nodes of both halves are 0.045 degrees apart, at 45 degrees 1.1.
 constexpr double kWidth = 0.005;
 
-/// The first of the five nodes that a derivative looks at.
+/// Returns the first of the five nodes that a derivative reads.
 int first_of_five(int node, int nodes) { return std::clamp(node - 2, 0, nodes - 5); }
 
-/// The derivative at a node of the polynomial through the five nearest, which are a step apart.
+/// Returns the derivative at a node of the polynomial through the five nearest, which are a step apart.
 /// Weights over 12 of the nodes' values: derivatives of Lagrange's polynomials of degree four at node 0, 1, 2, 3 or 4
 /// of the five. Exact for polynomials of degree four; the middle row is the central difference
 /// (f_-2 - 8 f_-1 + 8 f_1 - f_2) / 12.
@@ -45,7 +45,7 @@ double derivative(const Value& value, int node, int nodes) {
   return sum / 12.0;
 }
 
-/// Whether `value` can be divided by and has a logarithm at all nodes that `derivative` looks at.
+/// Returns whether `value` is a valid divisor and has a logarithm at all nodes that `derivative` reads.
 template <class Value>
 bool positive_around(const Value& value, int node, int nodes) {
   const int first = first_of_five(node, nodes);
@@ -137,8 +137,8 @@ SkyHarmonicsOptions checked(const SkyCurveOptions& options) {
   return projection;
 }
 
-/// What (l, m) is divided by before it is interpolated: a coefficient is sin^m(zenith angle) times an even function,
-/// so this leaves a smooth function of the sine of the elevation.
+/// Returns the divisor of (l, m) before interpolation: a coefficient is sin^m(zenith angle) times an even function, so
+/// this leaves a smooth function of the sine of the elevation.
 /// sin^m of an even m > 0 over sin^2 is a power of sin^2 = 1 - cos^2, a polynomial in the cosine; dividing by all of
 /// sin^m would multiply errors of nodes next to the zenith by its inverse.
 double foot(int m, double zenith_sine) { return m == 0 ? 1.0 : (m % 2 == 1 ? zenith_sine : zenith_sine * zenith_sine); }
@@ -179,8 +179,8 @@ SkyCurve::Nodes::Nodes(const SkyView& view, const SkyCurveOptions& options, cons
   bake_sun(view);
 }
 
-/// (l, m > 0) over its foot has no value in the zenith or straight below: from four nodes beside it.
-/// The cubic through f_1 to f_4 at 0: their fourth difference f_0 - 4 f_1 + 6 f_2 - 4 f_3 + f_4 is 0.
+/// Sets (l, m > 0) over its foot in the zenith or straight below, where it has no value, from the four nodes next to
+/// it: the cubic through f_1 to f_4 at 0, whose fourth difference f_0 - 4 f_1 + 6 f_2 - 4 f_3 + f_4 is 0.
 void SkyCurve::Nodes::extrapolate_end(int node, int inwards) {
   for (int l = 1; l < bands; ++l) {
     for (int m = 1; m <= l; ++m) {
@@ -225,8 +225,8 @@ void SkyCurve::Nodes::bake_sky(const SkyProjector& projector, const Control& con
   }
 }
 
-// The disc sets within half a degree and has a corner at the horizon: no cubic follows that. What the air lets through
-// of it is smooth.
+// Nodes hold the whole disc's irradiance through the air, which is smooth. The disc itself sets within half a degree
+// and has a corner at the horizon, which no cubic follows.
 void SkyCurve::Nodes::bake_sun(const SkyView& view) {
   const sky::SkySlice& slice = SkyViewAccess::slice(view);
   const int count = direct_axis.count();

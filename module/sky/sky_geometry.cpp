@@ -16,7 +16,7 @@ namespace {
 /// Below, a float may lose digits.
 constexpr double kMinBrightness = 1e-30;
 constexpr double kLargestFall = 0.01;
-/// Where light goes out within a step, a cubic swings beyond its nodes: so far it may leave the range of the nearest.
+/// Where light goes out within a step, a cubic swings beyond its nodes: limits relative to the two nearest.
 constexpr double kMinSwing = 0.9;
 constexpr double kMaxSwing = 1.1;
 

@@ -67,7 +67,7 @@ class SunnySlice {
   std::vector<float> rows_;
 };
 
-/// row(j) once for each of `rows` rows of `columns` texels.
+/// Calls row(j) once for each of `rows` rows of `columns` texels.
 template <class Row>
 void for_rows(int rows, int columns, const Control& control, const Row& row) {
   const jobs::Placement placement = jobs::placement_for(kTexelCost * rows * columns);
@@ -75,7 +75,7 @@ void for_rows(int rows, int columns, const Control& control, const Row& row) {
                  [&](int j, std::size_t) { row(j); });
 }
 
-/// Adds the sun's disc: each texel gets the share of the directional light's irradiance that it covers of the disc.
+/// Adds the sun's disc: each texel gets the fraction of the directional light's irradiance that the texel covers.
 void add_disc(const SkyView& view, const glm::dvec3& towards, const image::TexelGrid& grid, std::span<float> pixels) {
   const platform::FloatingPointScope floating_point;
   const Sun sun = view.sun_light(towards);
@@ -185,7 +185,7 @@ class Coverage {
   void visit() { visit({0.0, static_cast<double>(columns_), 0.0, static_cast<double>(rows_)}); }
 
  private:
-  /// Whole texels.
+  /// Visits cells of whole texels.
   void visit(const Cell& cell) {
     const Bound bound = bound_of(cell);
     if (bound.outside) return;
@@ -295,8 +295,8 @@ class Coverage {
   double horizon_sine_ = 0.0;
 };
 
-/// The disc's centre or, from below the horizon, the place above it on the horizon.
-/// That has y = cos_h, and x and z scaled to the horizon's sine.
+/// Returns the disc's centre or, if it is below the horizon, the point above it on the horizon, which has y = cos_h,
+/// and x and z scaled to the horizon's sine.
 glm::dvec3 highest(const VisibleDisc& disc) {
   if (disc.centre.y >= disc.horizon_cosine) return disc.centre;
   const double level = std::sqrt(disc.centre.x * disc.centre.x + disc.centre.z * disc.centre.z);
@@ -305,7 +305,7 @@ glm::dvec3 highest(const VisibleDisc& disc) {
   return {disc.centre.x / level * sine, disc.horizon_cosine, disc.centre.z / level * sine};
 }
 
-/// The texel in which a direction lies.
+/// Returns the texel in which a direction lies.
 std::size_t texel_of(const image::TexelGrid& grid, const glm::dvec3& direction) {
   const auto inside = [](double position, int count) {
     return static_cast<std::size_t>(std::clamp(static_cast<int>(std::floor(position)), 0, count - 1));

@@ -23,8 +23,8 @@ struct CoveredTexel {
   double steradians = 0.0;  ///< of the disc
 };
 
-/// All of them, rising. Areas are right to 1e-3 of the disc's. If it is smaller than can be resolved, or a point: the
-/// texel in which its highest point lies, with 1.
+/// Returns the covered texels, rising. Areas are right to 1e-3 of the disc's. If the disc is a point, or smaller than
+/// can be resolved: the texel in which its highest point lies, with 1.
 [[nodiscard]] std::vector<CoveredTexel> covered_texels(const VisibleDisc& disc, const image::TexelGrid& grid);
 
 }  // namespace welkin::sky

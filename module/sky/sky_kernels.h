@@ -32,7 +32,7 @@ struct SunlitSample {
   float start_ratio;     ///< r / r'
   float distance_ratio;  ///< s / r'
   float horizon;         ///< cosine of the horizon's zenith angle there
-  /// Place among the nodes of a row: (rational y / (y + bend) + linear y), y = mu_s' - horizon, at least 0.
+  /// Position among the nodes of a row: (rational y / (y + bend) + linear y), y = mu_s' - horizon, at least 0.
   float rational, bend, linear;
   /// Visible share of the disc: t^2 (3 - 2 t), t = slope (mu_s' - horizon) + offset, 0 to 1.
   float disc_slope, disc_offset;
@@ -45,7 +45,7 @@ struct SunlitSample {
   bool with_aerosol;              ///< else there is too little of it
 };
 
-/// How a sun's zenith cosine maps to its place among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +
+/// How a sun's zenith cosine maps to its position among a source's nodes (sky/table_mapping.h): d = -mu + sqrt(mu^2 +
 /// reach), a = (d - shortest) scale, x = path max(1 - a inverse_lowest, 0) / (1 + bend a) + level max(mu - lowest, 0);
 /// H and T of the top that suns' paths go to.
 struct SunAxis {
@@ -57,14 +57,14 @@ struct SunAxis {
   int nodes;
 };
 
-/// Rows of what molecules send on at a height, [kMoleculeTerms][suns][4]: with mu the cosine of a direction's zenith
-/// angle, mu_s the sun's and nu that between both, q = nu - mu mu_s,
+/// Rows of molecules' scattered light at a height, [kMoleculeTerms][suns][4]: with mu the cosine of a direction's
+/// zenith angle, mu_s the sun's and nu that between both, q = nu - mu mu_s,
 ///   t0 + (3 mu^2 - 1) / 2 t1 - (1 - mu^2) t2 + mu q t3 + q^2 t4,
 /// all that bands 0 and 2 of the light about a point leave; q is the product of both sines and the azimuth's cosine.
 inline constexpr int kMoleculeTerms = 5;
 
-/// A sample that sends on light of a source: what molecules do at two heights, and the sum of four images of what the
-/// aerosol does, [angles][suns][4] each.
+/// A sample of light scattered from a source: the molecules' at two heights, and the sum of four images of the
+/// aerosol's, [angles][suns][4] each.
 struct SourceSample {
   float start_ratio;
   float distance_ratio;
@@ -74,12 +74,12 @@ struct SourceSample {
   const float* images[4];
   float weights[4][4];  ///< of red, green, blue and nothing
   int count;            ///< of images
-  /// The source's brightness between suns at the two heights (ScatteringSource::steps), and their shares.
+  /// The source's brightness between suns at the two heights (ScatteringSource::steps), and the heights' weights.
   const float* steps[2];
   float step_weights[2];
 };
 
-/// A ring of directions of one zenith angle, for 16 suns: cosines of whole multiples of the azimuth project it.
+/// A ring of directions of one zenith angle, for 16 suns, projected by the cosines of whole multiples of the azimuth.
 struct SkyRing {
   const float* radiance;  ///< [3][azimuths][16], with the strides below
   std::ptrdiff_t channel_stride;
@@ -88,7 +88,7 @@ struct SkyRing {
   const float* azimuth_cosines;  ///< [bands][azimuths]
   const float* values;           ///< harmonics without their azimuth, by m and then l, times the ring's weight
   int bands;
-  int orders;  ///< m below that, at most the bands: as many as the azimuths tell apart
+  int orders;  ///< m below that, at most the bands: as many as the azimuths resolve
 };
 
 struct SolverKernels {
@@ -96,19 +96,19 @@ struct SolverKernels {
   /// it. slice: scratch, 8 `nodes` floats, nodes a multiple of 4.
   void (*add_sunlight)(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums);
 
-  /// sums[count][2][4] += the source at each sun: the brightness there times what, relative to it, is linear in angles
-  /// and suns, not below 0. Of the two, the share of the nearer node of suns and that of the next one, to be added up
-  /// at last. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
+  /// sums[count][2][4] += the source at each sun: the brightness there times the ratio to it, which is linear in angles
+  /// and suns, not below 0. The two are the parts of the nearer node of suns and of the next one, to be added at the
+  /// end. scratch: 4 `size` floats, 16 `axis.nodes` and the steps; size: angles times suns, suns a multiple of 16.
   /// `suns.row` and its fractions count only where there are images.
   void (*add_source)(const SourceSample& sample, const SunAxis& axis, int size, const SkySuns& suns, float* scratch,
                      float* sums);
 
-  /// Places of `count` angles, a multiple of 16, among nodes evenly from 0 to 180 degrees, by their cosines: `row`
-  /// times the node below, and the fraction towards the next. Within 1e-4 of the step between nodes; 4e-4 radians next
-  /// to 0 and 180 degrees, where a float's cosine says no more.
+  /// Finds positions of `count` angles, a multiple of 16, among nodes evenly from 0 to 180 degrees, by their cosines:
+  /// `row` times the node below, and the fraction towards the next. Within 1e-4 of the step between nodes; 4e-4 radians
+  /// next to 0 and 180 degrees, where a float's cosine has no more digits.
   void (*place_angles)(const float* cosines, int count, int angles, int row, std::int32_t* rows, float* fractions);
 
-  /// harmonics[pairs][3][16] += the ring's share.
+  /// harmonics[pairs][3][16] += the ring's contribution.
   void (*project_ring)(const SkyRing& ring, float* harmonics);
 
   /// by_order[m][3][16] = the sum over l < bands, l >= m, of weights[pair] harmonics[pair], m < bands.
@@ -120,7 +120,7 @@ struct SolverKernels {
 };
 WELKIN_KERNEL_TABLES(SolverKernels, solver_kernels)
 
-// Looking up a sky: what the kernels take.
+// Sky lookups: what the kernels take.
 
 /// Colours at the ends of rays, and factors of the aureole: red, green, blue, 0.
 inline constexpr int kSkyColour = 4;
@@ -130,8 +130,8 @@ inline constexpr int kSkyRow = 8;
 
 /// Angles between view and sun at which the aerosol's phase function is corrected (sky/aureole.h): even in the fourth
 /// root of (1 - cosine) / 2.
-/// sin(angle / 2) = (k / 128)^2: node k stands at about 0.007 k^2 degrees from the sun, and the last but one 20 degrees
-/// from the point opposite, where factors hardly change.
+/// sin(angle / 2) = (k / 128)^2: node k stands at about 0.007 k^2 degrees from the sun, and the second to last 20
+/// degrees from the point opposite, where factors hardly change.
 inline constexpr int kAureoleAngles = 129;
 
 /// Weights of the cubic through four nodes next to each other, at 0 <= x <= 3.
@@ -141,8 +141,8 @@ struct CubicTaps {
   float weights[4];
 };
 
-/// The same over suns, between which light falls by decades: the cubic is of rows relative to the brightness of their
-/// suns, and the weights hold the ratio of the brightness there to that of each node's sun.
+/// Such weights over suns, between which light falls by decades. The cubic is of rows relative to the brightness of
+/// their suns, and the weights hold the ratio of the brightness there to that of each node's sun.
 struct SunTaps {
   CubicTaps cubic;
   float ratios[2];  ///< of the two nodes in the middle of which the position lies
@@ -160,8 +160,8 @@ struct SkyRun {
   double rho_squared;  ///< h (2 R + h)
   double shell;        ///< (T - h) (2 R + T + h)
   double shortest;     ///< T - h
-  double to_sky;       ///< positions a metre of distance to the top beyond the shortest
-  double to_ground;    ///< positions a metre of distance to the ground beyond h
+  double to_sky;       ///< positions per metre of distance to the top beyond the shortest
+  double to_ground;    ///< positions per metre of distance to the ground beyond h
   double view_bend;    ///< of these positions (TableMapping), or 0
   ViewTerms view_terms;
 
@@ -172,7 +172,7 @@ struct SkyRun {
   double sun_zenith;  ///< mu_s = sun[1]
   double sun_sine;    ///< sqrt(sun[0]^2 + sun[2]^2)
 
-  // Suns' nodes, for views from outside, whose rays come in each under another sun.
+  // Suns' nodes, for views from outside, each of whose rays enters the air under another sun.
   double sun_tangent_squared;  ///< H^2 of the top that suns' paths are measured to
   double sun_thickness;        ///< its T
   double sun_scale;            ///< 1 / (H - T)
@@ -180,7 +180,7 @@ struct SkyRun {
   double lowest_zenith;        ///< its mu_s
   SunTerms sun_terms;
   SunTaps sun_taps;     ///< from inside
-  double azimuth_bend;  ///< q of the azimuths' coordinate, likewise
+  double azimuth_bend;  ///< q of the azimuths' coordinate, from inside
   AzimuthTerms azimuth_terms;
   const float* brightness;  ///< of suns, in steps between nodes (resample_log_cubic): [(suns - 1)
                             ///< steps + 1]
@@ -190,7 +190,7 @@ struct SkyRun {
   int azimuths;
   int suns;
   const float* rows;    ///< [2 half][azimuths][suns][kSkyRow]
-  const float* of_sun;  ///< `reduce_sky` of them, or null: then it is done on the way
+  const float* of_sun;  ///< `reduce_sky` of them, or null: computed during the lookup
 
   bool henyey_greenstein;
   int lobes;                ///< 1: the first of the three below is all channels'; 3: each has its own
@@ -199,7 +199,7 @@ struct SkyRun {
   bool hazy;                ///< its phase function is to be multiplied by:
   float aureole[kAureoleAngles * kSkyColour];
 
-  const float* reach;   ///< [half][kSkyColour]: transmittance up to the ground; null: rays to the ground see none
+  const float* reach;   ///< [half][kSkyColour]: transmittance up to the ground; null: the ground adds no light
   const float* ground;  ///< [grounds][kSkyColour]: radiance of the ground over sqrt|mu_s| with its sign
   int grounds;
 
@@ -220,7 +220,7 @@ struct SkyLobe {
   float slope;  ///< 2 |g|
 };
 
-/// Sixteen rings under one sun. A lane is a ring.
+/// Sixteen rings under one sun, one per lane.
 ///
 /// With x = 1 - cos(angle to the lobe's axis), which is the sun or, where the aerosol scatters backwards, the point
 /// opposite: x = nearness + breadth * gap(azimuth), so that it has its digits where the lobe is sharp. Radiance is
@@ -243,7 +243,7 @@ struct SkyRings {
   float lobe[3];
   float rayleigh;
   int lobe_count;    ///< 1: the first is all channels'; 3: each has its own
-  SkyLobe lobes[3];  ///< gap and slope are those of a lobe about the axis; one that is turned away from it has
+  SkyLobe lobes[3];  ///< gap and slope are those of a lobe about the axis; one that points away from it has
                      ///< (1 + |g|)^2 and -2 |g|
   float even;        ///< Cornette-Shanks: 1; Henyey-Greenstein: 0
 };

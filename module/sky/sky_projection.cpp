@@ -134,7 +134,7 @@ constexpr std::size_t kMax = std::size_t{1} << 30U;
 
 static_assert(kRings == 16);
 
-/// Of the highest ring with any light: from space the upper edge of the air.
+/// Returns the zenith cosine of the highest ring with any light: from space, that of the upper edge of the air.
 double top_cosine(const SkySlice& slice, const Atmosphere& atmosphere) {
   if (!slice.outside()) return 1.0;
   const double above = slice.altitude() - (atmosphere.top_radius_m - atmosphere.bottom_radius_m);
@@ -192,8 +192,8 @@ void SkyProjection::check_size(std::size_t rings) const {
                   " suns take more than 1 GiB; use fewer zeniths, azimuths or suns in the table");
 }
 
-// Groups of sixteen rings, each of them with its share of the slice; uniform rings leave two groups unfilled, on either
-// side of the horizon.
+// Groups of sixteen rings, each with its part of the slice; uniform rings leave two groups unfilled, on either side of
+// the horizon.
 std::uint64_t projection_bytes(const SkyTableOptions& tables, const SkyHarmonicsOptions& options) noexcept {
   const SliceShape shape = slice_shape(tables);
   const auto texels = static_cast<std::uint64_t>(shape.azimuths) * static_cast<std::uint64_t>(shape.suns);
@@ -203,7 +203,7 @@ std::uint64_t projection_bytes(const SkyTableOptions& tables, const SkyHarmonics
       kRings * (texels * kSkyChannels * sizeof(float) + even_count(options.bands) * sizeof(double));
   const std::uint64_t of_azimuths = static_cast<std::uint64_t>(options.azimuths) *
                                     (64 + 2 * static_cast<std::uint64_t>(options.bands) * sizeof(float));
-  // Their vector doubles, and a row of the slice is at hand while a group is filled.
+  // Their vector doubles its capacity, and a row of the slice is held while a group is filled.
   return groups * (group + 3 * sizeof(RingGroup)) + texels * kSkyRow * sizeof(float) + of_azimuths +
          sizeof(SkyProjection) + (std::uint64_t{64} << 10U);
 }
@@ -255,14 +255,13 @@ void SkyProjection::fill_values(RingGroup& group) const {
   }
 }
 
-/// What the aerosol has to scatter towards the sun itself, or towards the horizon below it, times the share of the lobe
-/// that is above the horizon. Any share gives the same integral where the nodes resolve the lobe; where they do not,
-/// this one is nearly right: small lobes fall like (w^2 + angle^2)^(-3/2), w = -ln g, or nearly (1 - g) / sqrt(g),
-/// which a straight horizon cuts into 1/2 + atan(elevation / w) / pi.
-/// gap + slope x with x = 1 - cos(angle) ~ angle^2 / 2 is slope / 2 times (w^2 + angle^2),
-/// w^2 = gap / (slope / 2) = (1 - g)^2 / g. On the plane that touches the sphere at the sun, Int
-/// (w^2 + x^2 + y^2)^(-3/2) dy = 2 / (w^2 + x^2), and over x below e Int 2 / (w^2 + x^2)
-/// dx = (2 / w) (pi / 2 + atan(e / w)), of 2 pi / w in all: 1/2 + atan(e / w) / pi.
+/// Returns the aerosol's light without its phase function towards the sun itself, or towards the horizon below it,
+/// times the fraction of the lobe above the horizon. Any fraction gives the same integral where the nodes resolve the
+/// lobe. Where they do not, this one is nearly right: small lobes fall like (w^2 + angle^2)^(-3/2), w = -ln g, or
+/// nearly (1 - g) / sqrt(g), which a straight horizon cuts into 1/2 + atan(elevation / w) / pi. gap + slope x with x =
+/// 1 - cos(angle) ~ angle^2 / 2 is slope / 2 times (w^2 + angle^2), w^2 = gap / (slope / 2) = (1 - g)^2 / g. On the
+/// plane that touches the sphere at the sun, Int (w^2 + x^2 + y^2)^(-3/2) dy = 2 / (w^2 + x^2), and over x below e Int
+/// 2 / (w^2 + x^2) dx = (2 / w) (pi / 2 + atan(e / w)), of 2 pi / w in all: 1/2 + atan(e / w) / pi.
 SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunLookup& point) const noexcept {
   Lobe lobe{};
   if (options_.quadrature != SkyQuadrature::gauss_split || backwards_) return lobe;
@@ -286,7 +285,7 @@ SkyProjection::Lobe SkyProjection::lobe_at(const SunAngles& sun, const SunLookup
     }
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    // w, and then the share: turns_of is an arctangent over 2 pi, so that twice it is the angle over pi.
+    // w, and then the fraction: turns_of is an arctangent over 2 pi, so that twice it is the angle over pi.
     const double width = std::sqrt(aerosol_[c].gap / std::max(0.5 * aerosol_[c].slope, 1e-3));
     const double share = asymmetries_[c] < 0.0 ? 0.0 : 0.5 + 2.0 * math::turns_of(angle, width);
     lobe[c] = static_cast<double>(static_cast<float>(share * std::max(lobe[c], 0.0)));
@@ -316,10 +315,10 @@ void SkyProjection::add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<g
   }
 }
 
-/// Light of the ground under a group's rays, for azimuths from `first` on: [count][3][16].
+/// Writes light of the ground under a group's rays, for azimuths from `first` on: [count][3][16].
 ///
-/// Where a ray ends, the sun stands at (r mu_s + d nu) / R, which is linear in the azimuth's cosine. Rays that end near
-/// by see so little of it that a parabola through three suns is exact to rounding; others ask for each azimuth.
+/// Where a ray ends, the sun stands at (r mu_s + d nu) / R, which is linear in the azimuth's cosine. Over rays that end
+/// nearby it varies so little that a parabola through three suns is exact to rounding; others compute each azimuth.
 /// The end of the ray is x + d v, so that its zenith has the product (r mu_s + d nu) / R with the sun,
 /// and nu = mu mu_s + sin sin_s cos(azimuth): centre + swing cos(azimuth). The parabola in the cosine has the values at
 /// 1, 0 and -1.
@@ -368,7 +367,7 @@ void SkyProjection::fill_ground(const RingGroup& group, const SunAngles& sun, in
 
 namespace {
 
-/// The same of the night's light, which is the same at all azimuths.
+/// Writes the night's light in the same layout; it is the same at all azimuths.
 void fill_night(const RingGroup& group, int count, float* light) noexcept {
   for (int i = 0; i < 3 * count; ++i) {
     for (int lane = 0; lane < kRings; ++lane) light[i * kRings + lane] = static_cast<float>(group.night[lane][i % 3]);
@@ -377,7 +376,7 @@ void fill_night(const RingGroup& group, int count, float* light) noexcept {
 
 }  // namespace
 
-/// What kernels need of a group under a sun, all but values, azimuths and ground.
+/// Returns the kernels' input for a group under a sun, except values, azimuths and ground.
 /// 1 - nu = 1 - mu mu_s - s s_s cos(azimuth) = (1 - mu mu_s - s s_s) + s s_s (1 - cos(azimuth)), and
 /// 1 + nu = (1 + mu mu_s - s s_s) + s s_s (1 + cos(azimuth)): `nearness` + `breadth` x gap. The difference is taken
 /// once per ring, in double, and the gap of the azimuth has its digits, so that a float's x is right where the lobe is
@@ -408,7 +407,7 @@ SkyRings SkyProjection::rings_of(const RingGroup& group, const SunAngles& sun, S
   return rings;
 }
 
-/// The quadrature's own integral of a channel's phase function over the sphere.
+/// Returns the quadrature's own integral of a channel's phase function over the sphere.
 /// `basis` of (0, 0) is weight / sqrt(4 pi): times 2 sqrt(pi) the weights remain.
 double SkyProjection::lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept {
   SunDistances distances;
@@ -458,8 +457,7 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
     for (int m = 0; m <= l; ++m, basis += kRings) {
       for (int c = 0; c < 3; ++c) {
         const float* const sum = sums + (3 * m + c) * kRings;
-        // Four sums that do not wait for each other, in an order that is fixed, so that a compiler may keep them in one
-        // register.
+        // Four sums that do not depend on each other, in a fixed order: a compiler may keep them in one register.
         double lanes[4] = {};
         for (int k = 0; k < kRings; ++k) lanes[k % 4] += basis[k] * static_cast<double>(sum[k]);
         even[even_index(l, m)][c] += (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
@@ -468,8 +466,8 @@ void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, cons
   }
 }
 
-/// The phase functions' factors. Nodes that hit a lobe that is too sharp for them see too much of it: it is scaled by
-/// their own integral of it, if that is above 1.
+/// Returns the phase functions' factors. Where nodes hit a lobe that is too sharp for them, their integral of it is too
+/// large: it is divided by that integral if that is above 1.
 SkyProjection::Lobe SkyProjection::aerosol_factors(const SunAngles& sun) const noexcept {
   constexpr double sharp = 0.85;
   const bool split = options_.quadrature == SkyQuadrature::gauss_split;

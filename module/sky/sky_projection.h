@@ -45,7 +45,7 @@ struct SkyRule {
 
 // A quadrature over a sky, ready for any sun.
 
-/// What a ring's rays meet.
+/// Distance and transmittance of a ring's rays to the ground.
 struct GroundRay {
   double distance = 0.0;
   double transmittance[3]{};
@@ -71,7 +71,7 @@ class SkyProjection {
   /// Coefficients of the sky with the sun at azimuth 0: even_count(bands) triples. Allocates nothing.
   void project(const SunAngles& sun, std::span<glm::dvec3> even) const;
 
-  /// By the view's own calls, in double: what the kernel is compared with.
+  /// Computes the coefficients by the view's own calls, in double: the reference for the kernel.
   void project_plainly(const SunAngles& sun, std::span<glm::dvec3> even) const;
 
   [[nodiscard]] const SkyView& view() const noexcept { return view_; }
@@ -81,7 +81,7 @@ class SkyProjection {
  private:
   using Lobe = std::array<double, 3>;  ///< by channel
 
-  /// Of sixteen rings from the sun (SkyRings).
+  /// Distances of sixteen rings from the sun (SkyRings).
   struct SunDistances {
     alignas(64) float nearness[16];
     alignas(64) float breadth[16];
@@ -93,7 +93,7 @@ class SkyProjection {
 
   [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunLookup& point) const noexcept;
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
-  /// The aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
+  /// Returns the aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
   [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
@@ -109,7 +109,7 @@ class SkyProjection {
   bool one_lobe_;                               ///< of all channels
   bool backwards_;                              ///< the lobes' axis is the point opposite to the sun
   std::array<AerosolLobe, 3> aerosol_;          ///< by channel
-  std::array<std::vector<double>, 3> spectra_;  ///< likewise
+  std::array<std::vector<double>, 3> spectra_;  ///< by channel
   AzimuthRule azimuths_;
   std::vector<float> gaps_;     ///< of the azimuths, from the lobe's axis
   std::vector<float> factors_;  ///< [azimuths][bands]
@@ -120,18 +120,18 @@ class SkyProjection {
   int directions_ = 0;
 };
 
-/// Bytes that one takes at most, without its view; `options` as `sky_rule` accepts them.
+/// Returns the bytes that a projection needs at most, without its view; `options` as `sky_rule` accepts them.
 [[nodiscard]] std::uint64_t projection_bytes(const SkyTableOptions& tables,
                                              const SkyHarmonicsOptions& options) noexcept;
 
-/// Throws `Error` (invalid_argument) unless bands^2 coefficients have room.
+/// Throws `Error` (invalid_argument) if fewer than bands^2 coefficients fit.
 void check_room(std::size_t room, int bands);
 
 }  // namespace welkin::sky
 
 namespace welkin {
 
-// What stands behind a projector.
+// The implementation behind a projector.
 
 struct WELKIN_HIDDEN SkyProjectorAccess {
   [[nodiscard]] static const sky::SkyProjection& projection(const SkyProjector& projector) noexcept;

@@ -25,7 +25,7 @@ CubicTaps taps_at(double position, int count) noexcept {
   return taps;
 }
 
-// For lengths of an interval that is empty on the ground or at the top: positions there are all 0.
+/// Inverts the length of an interval; 0 for one that is empty, on the ground or at the top: positions there are all 0.
 double inverse_or_0(double value) noexcept { return value > 0.0 ? 1.0 / value : 0.0; }
 
 }  // namespace
@@ -235,11 +235,11 @@ SkyRun SkySlice::run(const glm::dvec3& sun) const noexcept {
 
 namespace {
 
-/// In channels that the compact layout leaves out the aerosol's light is taken to be coloured as the molecules' is
-/// (Bruneton and Neyret 2008, section 4: "C_M = C_*.rgb C_M.r / C_*.r ..."); no more than this times the first channel.
+/// Max ratio to the first channel. In channels that the compact layout leaves out, the aerosol's light is assumed to
+/// have the colour of the molecules' (Bruneton and Neyret 2008, section 4: "C_M = C_*.rgb C_M.r / C_*.r ...").
 constexpr double kMaxColourRatio = 1e4;
 
-/// Tables of a node along an axis: the rows from `first` on, `stride` apart.
+/// Weights of table rows along an axis: the rows from `first` on, `stride` apart.
 struct Blend {
   Cubic cubic;
   int count;
@@ -247,14 +247,14 @@ struct Blend {
 
 Blend blend_at(double position, int count) { return {cubic_at(position, count), std::min(count, 4)}; }
 
-/// Node `node` of a slice's axis among the tables' nodes.
-/// The node's place on the shorter axis is linear: node (table_nodes - 1) / (nodes - 1).
+/// Returns node `node` of a slice's axis among the tables' nodes. Its position on the shorter axis is linear:
+/// node (table_nodes - 1) / (nodes - 1).
 Blend node_of(int node, int nodes, int table_nodes) {
   if (nodes == table_nodes) return {{node, {1.0, 0.0, 0.0, 0.0}}, 1};
   return blend_at(static_cast<double>(node) * (table_nodes - 1) / (nodes - 1), table_nodes);
 }
 
-/// The same for views: either half by itself.
+/// Returns that of a view's node, within its own half.
 Blend view_of(int node, int nodes, int table_nodes) {
   const int half = nodes / 2;
   const int table_half = table_nodes / 2;
@@ -263,8 +263,8 @@ Blend view_of(int node, int nodes, int table_nodes) {
   return blend;
 }
 
-/// By channel how much more the aerosol scatters than molecules do, relative to the first channel; how much more of it
-/// there is where there are no molecules to tell its colour.
+/// Per channel, the ratio of the aerosol's scattering to that of molecules, relative to the first channel; and that of
+/// the aerosol alone where no molecules show its colour.
 /// Single scattering by either kind of matter is its coefficient beta times nearly the same light, so that at one place
 /// M_c / M_0 ~ (beta_M,c / beta_M,0) L_c / L_0 and R_c / R_0 ~ (beta_R,c / beta_R,0) L_c / L_0. Their quotient is
 /// M_c = M_0 (R_c / R_0) (beta_M,c / beta_M,0) (beta_R,0 / beta_R,c).
@@ -460,7 +460,7 @@ std::vector<float> ground_radiances(const SkyTables& tables, const TableMapping&
 // u^2 = s^2 + 2 R mu_g s the distance s. ds/du = u / sqrt((R mu_g)^2 + u^2) is at most 1, and 1 all along the horizon's
 // ray (mu_g = 0), where ds/dh is infinite: so the nodes of one rule in u, whose densities are computed once, serve all
 // rays.
-// For mu_g > 0 the slope has poles at u = +-i R mu_g, which lie close beside a panel that begins at the ground, or far
+// For mu_g > 0 the slope has poles at u = +-i R mu_g, which lie close to a panel that begins at the ground, or far
 // below its end: there a rule of six nodes in u is wrong by up to 0.6 % of the length. Such panels are integrated over
 // s for each ray: u^2 is a polynomial in s, and so the density is as smooth in s as it is in the altitude. Panels whose
 // altitudes have a ratio below kWide = 3 span a ratio of sqrt(3) of u: poles next to the real axis at 0 lie (1.73 + 1)

@@ -1,4 +1,4 @@
-// The tables at one altitude, made ready for looking things up: what views and quadratures share.
+// The tables at one altitude, prepared for lookups by views and quadratures.
 //
 // Rows are `kSkyRow` floats: Rayleigh's and all higher orders' red, green, blue, 0; single Mie scattering's red, green,
 // blue, 0; all without phase functions. Between nodes values are cubics along each axis: taps are four rows one after
@@ -30,7 +30,7 @@ struct SunLookup {
   float fade = 1.0F;  ///< below the tables' lowest sun
 };
 
-/// A view's zenith, and what lies at the end of its rays.
+/// A view's zenith, and the end of its rays.
 struct ViewLookup {
   CubicTaps taps{};  ///< of view nodes
   bool ground = false;
@@ -54,35 +54,35 @@ class SkySlice {
   [[nodiscard]] int suns() const noexcept { return suns_; }
   [[nodiscard]] const float* values() const noexcept { return values_.data(); }
 
-  /// Of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
+  /// Returns the lookup of a view inside the air (or at the point of entry) whose cosine with the zenith is `mu`.
   [[nodiscard]] ViewLookup view_lookup(double mu) const noexcept;
-  /// By the cosine of the azimuth between view and sun: (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
+  /// Returns taps by the cosine of the azimuth from sun to view, (nu - mu mu_s) / (sqrt(1 - mu^2) sqrt(1 - mu_s^2)).
   [[nodiscard]] CubicTaps azimuth_taps(double cosine, double mu_s) const noexcept;
-  /// Of several under one sun.
+  /// Writes the taps of several azimuths under one sun.
   void azimuth_taps(std::span<const double> cosines, double mu_s, CubicTaps* taps) const noexcept;
-  /// By the cosine between sun and zenith.
+  /// Returns the lookup by the cosine between sun and zenith.
   [[nodiscard]] SunLookup sun_lookup(double mu_s) const noexcept;
 
-  /// The aerosol's phase function at a cosine between view and sun, 1/sr, in each channel.
+  /// Returns the aerosol's phase function at a cosine between view and sun, 1/sr, in each channel.
   [[nodiscard]] glm::dvec3 aerosol_phase(double nu) const noexcept;
 
-  /// Radiance that leaves the ground where the sun's zenith cosine is `mu_s`: a ray of length d from radius r ends
-  /// where that is (r mu_s + d nu) / R. Times the view's `transmittance` it is what is seen.
+  /// Returns the radiance that leaves the ground where the sun's zenith cosine is `mu_s`: a ray of length d from radius
+  /// r ends where that is (r mu_s + d nu) / R. The viewer sees it times the view's `transmittance`.
   [[nodiscard]] glm::dvec3 ground_radiance(double mu_s) const noexcept;
 
-  /// The slice's own altitude: the viewer's, or the top.
+  /// Returns the slice's own altitude: the viewer's, or the top.
   [[nodiscard]] double inside() const noexcept { return inside_; }
   [[nodiscard]] const TableMapping& mapping() const noexcept { return mapping_; }
   [[nodiscard]] const ColourFold& fold() const noexcept { return fold_; }
 
   [[nodiscard]] const Aureole& aureole() const noexcept { return aureole_; }
-  /// Depths for it, of a sun at that zenith cosine (one that is down counts as on the horizon); from above the air 0.
+  /// Returns depths for it, for a sun at that zenith cosine (below the horizon as on it); from above the air 0.
   [[nodiscard]] std::array<double, 3> aureole_depths(double mu_s) const noexcept;
 
-  /// Of the slice's altitude, on top of all that rows hold; from above the air it is not seen.
+  /// Returns the night at the slice's altitude, in addition to all light in the rows; not visible from above the air.
   [[nodiscard]] const NightLight& night() const noexcept { return night_; }
 
-  /// For the kernels, with a sun towards a unit direction; `of_sun` is left null.
+  /// Returns the kernels' input, with a sun towards a unit direction; `of_sun` is left null.
   [[nodiscard]] SkyRun run(const glm::dvec3& sun) const noexcept;
 
   /// Rows of one view: [azimuths][suns], interpolated between view nodes.
@@ -110,8 +110,8 @@ class SkySlice {
 
 // The scattering tables cut at one altitude.
 
-/// Nodes along the axes of a slice: those of the tables, and at least four (of the views: eight, four to the ground),
-/// on which less of them are continued by the curve through all.
+/// Nodes along the axes of a slice: those of the tables, but at least four (of the views eight, four to the ground).
+/// Shorter axes are extended by the curve through all their nodes.
 struct SliceShape {
   int views = 0;
   int azimuths = 0;
@@ -120,14 +120,14 @@ struct SliceShape {
 
 [[nodiscard]] SliceShape slice_shape(const SkyTableOptions& options) noexcept;
 
-/// Bytes that a slice takes at most while it is made, without its tables.
+/// Returns the max bytes that a slice takes while it is made, without its tables.
 [[nodiscard]] std::uint64_t slice_bytes(const SkyTableOptions& options) noexcept;
 
 /// Rows of eight floats (sky_slice.h): [views][azimuths][suns].
 [[nodiscard]] std::vector<float> slice_rows(const SkyTables& tables, const TableMapping& mapping,
                                             const ColourFold& fold, double altitude);
 
-// What a view sees of the ground: how bright it is under any sun, and how much of that gets through.
+// The ground in a view: its radiance under any sun, and the transmittance to it.
 
 /// Nodes over the square root of |mu_s| with mu_s' sign, from -1 to 1: dense about the horizon, where the disc sets.
 /// A step is 1/256 of the root: next to the horizon nodes are 1.5e-5 apart, and the Earth's disc, which sets over
