@@ -20,7 +20,7 @@
 namespace welkin::tool {
 namespace {
 
-/// CLI11 alone would let "-1" wrap around to the largest number, and clamp larger numbers to it.
+/// Reads a size without CLI11, which would wrap "-1" around to the largest number, and clamp larger numbers to it.
 CLI::Validator size_in_bytes() {
   return {[](std::string& text) {
             if (text.find('-') != std::string::npos) return text + " is not a size";
@@ -33,20 +33,21 @@ CLI::Validator size_in_bytes() {
           ""};
 }
 
-/// Whole numbers in full: "1000000", not "1e+06".
+/// Returns whole numbers in full: "1000000", not "1e+06".
 std::string bound_text(double bound) {
   constexpr double kMaxDigits = 1e15;
   const bool is_short_and_whole = std::abs(bound) < kMaxDigits && bound == std::floor(bound);
   return is_short_and_whole ? std::to_string(static_cast<std::int64_t>(bound)) : significant(bound);
 }
 
-/// `value_in` returns the number that a text states; `kind`: what it must be, such as "a whole number".
+/// `value_in` returns the number in a text; `kind` says what it must be, such as "a whole number".
 template <class ValueIn>
 CLI::Validator range(const Bounds& bounds, const char* kind, const ValueIn& value_in) {
   return {[=](const std::string& text) {
             const auto value = value_in(text);
-            if (value && *value >= bounds.least && *value <= bounds.most) return std::string();
-            return text + " is not " + kind + " from " + bound_text(bounds.least) + " to " + bound_text(bounds.most);
+            if (value && *value >= bounds.minimum && *value <= bounds.maximum) return std::string();
+            return text + " is not " + kind + " from " + bound_text(bounds.minimum) + " to " +
+                   bound_text(bounds.maximum);
           },
           ""};
 }
@@ -60,7 +61,7 @@ CLI::Validator positive_number() {
           ""};
 }
 
-/// Without regard to case. A wrong word is answered with the nearest right one.
+/// Accepts words in any case. The error for a wrong word names the nearest right one.
 CLI::Validator one_of(const std::vector<std::string>& words,
                       const std::function<std::string(const std::string& word)>& hint) {
   return {[words, hint](const std::string& text) {
@@ -82,7 +83,7 @@ void check_bounds(CLI::Option& added, const Bounds& bounds) {
   }
 }
 
-/// Adds an option to a command, by what its target is.
+/// Adds an option to a command according to the type of its target.
 class Adding {
  public:
   Adding(CLI::App& command, const Option& option) : command_(command), option_(option) {}
@@ -138,7 +139,7 @@ void add_options(CLI::App& command, const Options& table) {
   }
 }
 
-/// To every command, and to the program itself.
+/// Adds --quiet and --verbose to a command or to the program itself.
 void add_verbosity(CLI::App& command) {
   command
       .add_flag_callback(
@@ -179,8 +180,8 @@ ExitCode complain(ExitCode code, const std::string& message) {
   return code;
 }
 
-/// What nobody asked for, if that is what is wrong: an option or a command that is not there, an argument too many.
-/// `command`: the one that was named, or null.
+/// Returns the error about an unknown option, an unknown command or an extra argument; empty if there is none.
+/// `command`: the command that was named, or null.
 std::string unknown_words(const CLI::App& program, const Command* command, const std::vector<std::string>& arguments) {
   constexpr std::string_view kEndOfOptions = "--";
   const std::vector<std::string> left = program.remaining(true);
@@ -207,7 +208,7 @@ const Command* command_of(const Program& program, const std::string& name) {
   return found == program.commands.end() ? nullptr : &*found;
 }
 
-/// CLI11 reports a request for help or the version as an exception too.
+/// Prints help, the version or an error: CLI11 reports a request for help or the version as an exception too.
 ExitCode answer(CLI::App& program, const Program& table, const CLI::ParseError& request,
                 const std::vector<std::string>& arguments) {
   if (dynamic_cast<const CLI::CallForVersion*>(&request) != nullptr) {
@@ -244,7 +245,7 @@ std::string command_lines(const Program& program) {
 
 ExitCode run(const Program& program, const std::vector<std::string>& arguments) {
   CLI::App parser{program.summary, "welkin"};
-  parser.allow_windows_style_options(false);  // "/sky.exr" is a path there too
+  parser.allow_windows_style_options(false);  // "/sky.exr" is a path on Windows too
   parser.footer(with_exit_codes(program.notes));
   parser.set_help_all_flag("--help-all", "Print every option, and all that there is to know");
   parser.set_version_flag("-V,--version", version_text, "Print the version and the instruction sets that run here");
@@ -253,7 +254,7 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
   try {
     for (const Command& command : program.commands) add_command(parser, command);
     add_verbosity(parser);
-    // Before --help is answered: 'welkin help bakee' asks about no command.
+    // This precedes the answer to --help: 'welkin help bakee' names no command.
     if (!arguments.empty() && !arguments.front().starts_with('-') &&
         command_of(program, arguments.front()) == nullptr) {
       return complain(ExitCode::bad_usage, "there is no command " + arguments.front() +
@@ -271,10 +272,10 @@ ExitCode run(const Program& program, const std::vector<std::string>& arguments) 
 
 }  // namespace
 
-Bounds whole_between(int least, int most) {
-  return {Bounds::Kind::whole, static_cast<double>(least), static_cast<double>(most)};
+Bounds whole_between(int minimum, int maximum) {
+  return {Bounds::Kind::whole, static_cast<double>(minimum), static_cast<double>(maximum)};
 }
-Bounds number_between(double least, double most) { return {Bounds::Kind::number, least, most}; }
+Bounds number_between(double minimum, double maximum) { return {Bounds::Kind::number, minimum, maximum}; }
 Bounds finite_and_positive() { return {Bounds::Kind::positive}; }
 
 void add_option(Options& table, std::string names, Target target, std::string type, std::string text, Option rules) {
@@ -349,7 +350,7 @@ ExitCode run_guarded(const std::function<ExitCode()>& work) {
     return work();
   } catch (const Error& error) {
     if (const int signal = caught_signal(); signal != 0) {
-      constexpr int kSignalBase = 128;  // as shells count
+      constexpr int kSignalBase = 128;  // as in shells
       const auto code = static_cast<ExitCode>(kSignalBase + signal);
       if (error.code() != ErrorCode::cancelled) return complain(code, error.what());
       return complain(code, "stopped (" + signal_words(signal) + "); unfinished files were removed");
@@ -388,9 +389,10 @@ bool awaits_value(const Program& program, const std::string& word) {
 }  // namespace
 
 std::vector<std::string> with_command_first(const Program& program, std::vector<std::string> arguments) {
-  const std::vector<std::string> own = {"-h", "--help", "--help-all", "-V", "--version", "-q", "--quiet", "--verbose"};
+  const std::vector<std::string> shared = {"-h",        "--help", "--help-all", "-V",
+                                           "--version", "-q",     "--quiet",    "--verbose"};
   const auto first = std::ranges::find_if(
-      arguments, [&own](const std::string& word) { return std::ranges::find(own, word) == own.end(); });
+      arguments, [&shared](const std::string& word) { return std::ranges::find(shared, word) == shared.end(); });
   if (first == arguments.end() || !first->starts_with('-')) return arguments;
   for (auto word = first + 1; word != arguments.end(); ++word) {
     if (command_of(program, *word) == nullptr || awaits_value(program, *(word - 1))) continue;

@@ -1,4 +1,4 @@
-// What a command can be asked: tables of options, by which the command line is read and --help is written.
+// Tables of options, by which the command line is read and --help is written.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace welkin::tool {
 
-/// What a function throws that takes an option's value and cannot use it: it ends the program with
-/// `ExitCode::bad_usage` and "OPTION: WHAT".
+/// Thrown by a function that takes an option's value and cannot use it; ends the program with `ExitCode::bad_usage` and
+/// "OPTION: WHAT".
 struct BadValue {
   std::string option;
   std::string what;
@@ -26,55 +26,55 @@ struct ByteCount {
   std::uint64_t* bytes;
 };
 
-/// Called with an option's value, once it is checked.
+/// Called with an option's value once it is checked.
 template <class Value>
 using On = std::function<void(const Value&)>;
-/// Called if a flag is there.
+/// Called if a flag is present.
 using OnFlag = std::function<void()>;
 
-/// Where an option's value goes. To a `bool` or an `OnFlag` goes that the option is there: it has no value.
+/// The destination of an option's value. A `bool` or an `OnFlag` has no value: it receives that the option is present.
 using Target =
     std::variant<bool*, int*, double*, std::string*, std::optional<std::string>*, std::optional<double>*,
                  std::vector<double>*, std::vector<std::string>*, ByteCount, OnFlag, On<int>, On<float>, On<double>,
                  On<std::string>, On<std::vector<int>>, On<std::vector<double>>, On<std::vector<std::string>>>;
 
-/// Which numbers an option takes.
+/// The numbers that an option takes.
 struct Bounds {
   enum class Kind { none, whole, number, positive };
   Kind kind = Kind::none;
-  double least = 0.0;
-  double most = 0.0;
+  double minimum = 0.0;
+  double maximum = 0.0;
 };
-/// Whole numbers from `least` to `most`, or all numbers there, of which NaN is none.
-[[nodiscard]] Bounds whole_between(int least, int most);
-[[nodiscard]] Bounds number_between(double least, double most);
+/// Whole numbers from `minimum` to `maximum`, or all numbers in that range except NaN.
+[[nodiscard]] Bounds whole_between(int minimum, int maximum);
+[[nodiscard]] Bounds number_between(double minimum, double maximum);
 [[nodiscard]] Bounds finite_and_positive();
 
 /// Whether an option takes several values.
 enum class List {
   none,
-  commas,            ///< with commas between them
-  commas_or_spaces,  ///< or as arguments of their own
+  commas,            ///< separated by commas
+  commas_or_spaces,  ///< or as separate arguments
 };
 
 struct Option {
-  std::string names{};  ///< "-o,--output"; without a hyphen it is a place on the command line: "INPUT"
+  std::string names{};  ///< "-o,--output"; without a hyphen it is positional: "INPUT"
   Target target{};
   std::string text{};                ///< for --help, which breaks its lines
   std::string type{};                ///< what --help calls the value
-  std::vector<std::string> words{};  ///< the only values that are taken; empty: others decide
-  /// Returns the hint for another word, such as "; did you mean 'plan hdr/'?"; if empty or none, the nearest word is
-  /// named.
+  std::vector<std::string> words{};  ///< the only values that are accepted; empty: any
+  /// Returns the hint for another word, such as "; did you mean 'plan hdr/'?"; if it is empty or not set, the nearest
+  /// word is named.
   std::function<std::string(const std::string& word)> hint{};
   Bounds bounds{};  ///< of each value
   List list = List::none;
-  int count = 0;  ///< of a list's values; 0: any number
+  int count = 0;  ///< number of values in a list; 0: any
   bool required = false;
-  std::string environment{};            ///< the variable that stands for the option where that is not there
+  std::string environment{};            ///< the variable that is read where the option is absent
   std::vector<std::string> needs{};     ///< options without which this one is refused
-  std::vector<std::string> excludes{};  ///< options together with which it is
-  std::string group{};                  ///< its heading in --help
-  bool* named = nullptr;                ///< is made true if the option is there with its value
+  std::vector<std::string> excludes{};  ///< options that cannot be combined with this one
+  std::string group{};                  ///< heading in --help
+  bool* named = nullptr;                ///< set to true if the option is present with its value
 };
 
 using Options = std::vector<Option>;
@@ -83,22 +83,22 @@ using Options = std::vector<Option>;
 void add_option(Options& table, std::string names, Target target, std::string type, std::string text,
                 Option rules = {});
 
-/// The heading of options that say how a command runs and nothing of its result.
+/// The heading of options that control how a command runs and do not affect its result.
 inline constexpr const char* kRunningGroup = "Running";
 
 /// Puts all options that have no group yet under that heading.
 void in_group(Options& options, const std::string& group);
 
-/// The option of that name. It must be there.
+/// Returns the option of that name, which must exist.
 [[nodiscard]] Option& option(Options& options, const std::string& name);
 
-/// "one|two|three", as --help names the words that an option takes.
+/// Returns "one|two|three", the form in which --help lists the words that an option takes.
 [[nodiscard]] std::string alternatives(const std::vector<std::string>& words);
 
-/// Whether both are the same but for capitals, "Unity" and "unity".
+/// Returns whether the words are equal without regard to case: "Unity" and "unity".
 [[nodiscard]] bool same_word(const std::string& one, const std::string& other);
 
-/// An option whose value is one of some words, each of which stands for a value. `target` must outlive it.
+/// Makes an option whose value is one of several words, each of which stands for a value. `target` must outlive it.
 template <typename Value>
 Option choice(const std::string& name, Value& target, const std::vector<std::pair<std::string, Value>>& choices,
               const std::string& text) {
@@ -113,7 +113,7 @@ Option choice(const std::string& name, Value& target, const std::vector<std::pai
   return {.names = name, .target = On<std::string>(store), .text = text, .type = alternatives(words), .words = words};
 }
 
-/// Values by their own names, for `choice`.
+/// Returns values with their names, for `choice`.
 template <typename Value>
 std::vector<std::pair<std::string, Value>> by_name(std::initializer_list<Value> values) {
   std::vector<std::pair<std::string, Value>> choices;
@@ -121,7 +121,7 @@ std::vector<std::pair<std::string, Value>> by_name(std::initializer_list<Value> 
   return choices;
 }
 
-/// All values of an enumeration by words in the same order, for `choice`.
+/// Returns all values of an enumeration with words in the same order, for `choice`.
 template <typename Value, std::size_t count>
 std::vector<std::pair<std::string, Value>> by_order(const std::array<const char*, count>& words) {
   std::vector<std::pair<std::string, Value>> choices;
@@ -130,21 +130,21 @@ std::vector<std::pair<std::string, Value>> by_order(const std::array<const char*
   return choices;
 }
 
-/// The number that the text states, or nothing if it is not a number.
+/// Returns the number in the text; nothing if the text is not a number.
 [[nodiscard]] std::optional<double> number_in(const std::string& text);
 [[nodiscard]] std::optional<int> whole_number_in(const std::string& text);
 
 /// The options that were on the command line.
 class Given {
  public:
-  /// `values`: returns the values of an option as they were written, nothing if it is not there.
+  /// `values` returns the values of an option as written; nothing if the option is absent.
   explicit Given(std::function<std::vector<std::string>(const std::string& name)> values)
       : values_(std::move(values)) {}
 
   [[nodiscard]] bool operator()(const std::string& name) const { return !values_(name).empty(); }
 
-  /// Returns those of a table by their long names, in the table's order, whatever way they were written: flags have an
-  /// empty value, lists one with commas.
+  /// Returns the given options of a table by their long names, in the table's order, however they were written. Flags
+  /// have an empty value, lists one with commas.
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> of(const Options& table) const;
 
  private:
@@ -152,8 +152,8 @@ class Given {
 };
 using GivenOptions = std::vector<std::pair<std::string, std::string>>;
 
-/// Reads words as the command line is read: each option's value goes to its target. Returns what was given. Throws
-/// `Error` (invalid_argument).
+/// Reads words like a command line: each option's value goes to its target. Returns the given options. Throws `Error`
+/// (invalid_argument).
 GivenOptions read_options(const Options& table, const std::vector<std::string>& words);
 
 /// Returns whether the option takes a value.
@@ -165,12 +165,12 @@ GivenOptions read_options(const Options& table, const std::vector<std::string>& 
 /// A subcommand.
 struct Command {
   std::string name;
-  std::string summary;  ///< a line
-  std::string notes;    ///< what --help-all says below the options; of it --help shows some examples
+  std::string summary;  ///< one line
+  std::string notes;    ///< shown below the options by --help-all; --help shows some of its examples
   Options options{};
   std::function<void(const Given& given)> run{};  ///< called once all options have their values
   std::vector<std::string> everyday{};            ///< names of the options that --help shows; empty: all
-  std::string several{};  ///< what the complaint about an argument too many says besides: "; 'welkin batch' ..."
+  std::string several{};  ///< added to the error about an extra argument: "; 'welkin batch' ..."
 };
 
 struct Program {
@@ -179,7 +179,7 @@ struct Program {
   std::vector<Command> commands;
 };
 
-/// What a program's exit code says. Scripts rely on these: they never change.
+/// The meaning of a program's exit code. Scripts rely on these values: they never change.
 enum ExitCode : int {
   success = 0,
   bad_input = 1,  ///< a file or its pixels, or no memory or output device for the work
@@ -188,25 +188,25 @@ enum ExitCode : int {
   // for SIGXFSZ, a file larger than the process may write.
 };
 
-/// Turns whatever `work` throws into a message on standard error and an exit code.
+/// Turns any exception of `work` into a message on standard error and an exit code.
 [[nodiscard]] ExitCode run_guarded(const std::function<ExitCode()>& work);
 
-/// "help bake" as "bake --help", and "help" as "--help".
+/// Returns "help bake" as "bake --help", and "help" as "--help".
 [[nodiscard]] std::vector<std::string> without_help_command(std::vector<std::string> arguments);
 
-/// Returns "-o out bake city.hdr" as "bake -o out city.hdr": options of a command may stand before its name.
+/// Returns "-o out bake city.hdr" as "bake -o out city.hdr": options of a command may come before its name.
 [[nodiscard]] std::vector<std::string> with_command_first(const Program& program, std::vector<std::string> arguments);
 
-/// Reads the command line (without the program's name), runs the command that it names and turns whatever goes wrong
-/// into a message on standard error and an exit code; answers --help and --version. To the user the program is
-/// `welkin`, whatever its file is called.
+/// Reads the command line (without the program's name) and runs the command that it names. Turns exceptions into a
+/// message on standard error and an exit code; answers --help and --version. Messages call the program `welkin`,
+/// whatever its file is called.
 [[nodiscard]] ExitCode run_program(const Program& program, const std::vector<std::string>& arguments);
 
-/// A script that completes commands, options, the words that options take, and files.
+/// Returns a script that completes commands, options, the words that options take, and files.
 [[nodiscard]] std::string bash_completion(const Program& program);
 [[nodiscard]] std::string zsh_completion(const Program& program);
 
-/// The manual page welkin(1), in man's macros of roff.
+/// Returns the manual page welkin(1), in roff's man macros.
 [[nodiscard]] std::string manual_page(const Program& program);
 
 }  // namespace welkin::tool

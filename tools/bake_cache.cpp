@@ -71,13 +71,13 @@ Member kept_file(const char* name, KeptBake::File& target) {
                  bytes("bytes", target.about.bytes), hash("hash", target.hash)});
 }
 
-/// Of its index, which has all but the files' contents.
+/// Returns the members of a bake's index, which holds everything but the files' contents.
 std::vector<Member> members_of(KeptBake& bake) {
   return {list("files", bake.files, kept_file), text("manifest", bake.manifest), text("source", bake.words.source),
           text("results", bake.words.results), texts("notes", bake.words.notes)};
 }
 
-/// The bake without the files' contents. Throws `Flaw`.
+/// Reads the bake without the files' contents. Throws `Flaw`.
 KeptBake index_in(std::string_view text) {
   KeptBake index;
   read_object(parse_json(std::string(text)), "index", members_of(index));
@@ -87,15 +87,15 @@ KeptBake index_in(std::string_view text) {
   return index;
 }
 
-/// With the one time that this run took, if it has times.
+/// Replaces the times, if there are any, with the time of this run alone.
 std::string with_own_times(const std::string& manifest, double milliseconds) {
-  const std::size_t place = manifest.rfind(kTimes);
-  if (place == std::string::npos) return manifest;
+  const std::size_t offset = manifest.rfind(kTimes);
+  if (offset == std::string::npos) return manifest;
   const Json time = {{"name", "cache"},
                      {"action", name(PassAction::reuse)},
                      {"reason", "all files found on disk"},
                      {"ms", milliseconds}};
-  return manifest.substr(0, place) + kTimes + "[\n    " + time.one_line() + "]\n}\n";
+  return manifest.substr(0, offset) + kTimes + "[\n    " + time.one_line() + "]\n}\n";
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options
 ContentHash bake_key(const BakeCommandOptions& options) {
   std::vector<std::string> asked;
   for (const auto& [name, value] : options.asked) asked.insert(asked.end(), {name, value});
-  std::string understood;  // a file's name may tell its layout
+  std::string understood;  // a file's name may determine its layout
   std::vector<ContentHash> files;
   if (options.input) {
     const EnvironmentInfo info = inspect_environment(platform::path_of(*options.input), options.common.read);
@@ -121,7 +121,7 @@ ContentHash bake_key(const BakeCommandOptions& options) {
 
 BakeFolderCache::BakeFolderCache(const BakeCommandOptions& options) : options_(options) {
   if (options.common.cache.empty() || options.scene.explains() || options.compute) return;
-  if (options.input && is_stream(*options.input)) return;  // which cannot be hashed before it is read
+  if (options.input && is_stream(*options.input)) return;  // a stream cannot be hashed before it is read
   cache_.emplace(CacheOptions{.folder = platform::path_of(options.common.cache), .memory_bytes = 0});
   key_ = bake_key(options);
 }
@@ -144,7 +144,7 @@ std::optional<KeptBake> BakeFolderCache::find() {
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     kept.manifest = with_own_times(kept.manifest, took.count());
     return kept;
-  } catch (const Flaw&) {  // no index that this version writes
+  } catch (const Flaw&) {  // not an index of this version
     return std::nullopt;
   }
 }

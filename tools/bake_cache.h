@@ -1,4 +1,4 @@
-// The files of a whole bake in a cache: the same command line with the same inputs gives them again.
+// A cache of all files of a bake: the same command line with the same inputs finds them again.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +14,14 @@
 
 namespace welkin::tool {
 
-/// What the table for a person says beside the files.
+/// Lines of the table for a person, in addition to the files.
 struct BakeWords {
   std::string source;   ///< the line of the input
   std::string results;  ///< mips and sun
   std::vector<std::string> notes;
 };
 
-/// A bake that was made before.
+/// A bake from an earlier run.
 struct KeptBake {
   struct File {
     WrittenFile about{};  ///< name, format and bytes
@@ -33,17 +33,17 @@ struct KeptBake {
   BakeWords words;
 };
 
-/// Finds and keeps the bake that some options ask for.
+/// Finds and keeps the bake that a set of options makes.
 class BakeFolderCache {
  public:
-  /// Hashes the input. Does nothing without `--cache`, where a plan is to be explained, and where what is baked comes
-  /// from no file: its results are found one by one. Throws what reading the input does.
+  /// Hashes the input. Does nothing without `--cache`, if a plan is to be explained, and if the bake reads no input
+  /// file: its results are then cached one by one. Throws the errors of reading the input.
   explicit BakeFolderCache(const BakeCommandOptions& options);
 
-  /// Nothing if it is not there as a whole.
+  /// Returns nothing unless all files are there.
   [[nodiscard]] std::optional<KeptBake> find();
 
-  /// Reads the folder's files once more. Does nothing if the input is not what was hashed any more. What fails is a
+  /// Reads the folder's files once more. Does nothing if the input has changed since it was hashed. A failure becomes a
   /// note.
   void keep(const OutputFolder& folder, const std::string& manifest, const BakeWords& words,
             std::vector<std::string>& notes);
@@ -54,19 +54,19 @@ class BakeFolderCache {
   ContentHash key_;
 };
 
-/// All files of an input: itself or, of six, each.
+/// Returns all files of an input: the file itself or each of six.
 [[nodiscard]] std::vector<std::filesystem::path> input_files(const BakeCommandOptions& options,
                                                              const EnvironmentInfo& info);
 
-/// Returns the key of all files of a bake: over the bytes of its input, how that was understood, what was asked for and
-/// stood in files that options name, and the version of results. Reads the input. Throws `Error` as
-/// `inspect_environment`.
+/// Returns the key of all files of a bake: over the bytes of its input, how it is interpreted, the result options, the
+/// files that options name, and the version of results. Reads the input. Throws the errors of `inspect_environment`.
 [[nodiscard]] ContentHash bake_key(const BakeCommandOptions& options);
 
-/// What `ContentHash::text` has written.
+/// A member with the text of `ContentHash::text`.
 [[nodiscard]] Member hash(const char* name, ContentHash& target);
 
-/// Of a file in the folder itself and no other place: the list may be anybody's. A manifest's is none.
+/// Returns whether the name is that of a file in the folder itself: the list may come from anyone. False for a
+/// manifest's.
 [[nodiscard]] bool is_plain_name(std::string_view name);
 
 }  // namespace welkin::tool

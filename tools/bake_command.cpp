@@ -1,4 +1,4 @@
-// `welkin bake`: an environment to all that a renderer loads.
+// `welkin bake`: bakes an environment into all files that a renderer loads.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -25,9 +25,9 @@
 namespace welkin::tool {
 namespace {
 
-// A bake must not write over what it reads.
+// Checks that a bake does not overwrite its inputs.
 
-/// How many levels a file's content has. `bake`: of `library_options`.
+/// Returns the number of levels that a file's content has. `bake`: from `library_options`.
 int levels_of(Content content, const BakeCommandOptions& options, const BakeOptions& bake) {
   const int mips = bake.specular->mips.value();
   switch (content) {
@@ -42,7 +42,7 @@ int levels_of(Content content, const BakeCommandOptions& options, const BakeOpti
   return 1;
 }
 
-/// All files that are read.
+/// Returns all files that are read.
 std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options) {
   std::vector<std::filesystem::path> files;
   for (const std::string& file : options.also_read) files.push_back(platform::path_of(file));
@@ -54,7 +54,7 @@ std::vector<std::filesystem::path> files_read(const BakeCommandOptions& options)
   return files;
 }
 
-/// The names in the output folder that a bake of these options writes, manifest included. `bake`: of
+/// Returns the names in the output folder that a bake of these options writes, manifest included. `bake`: from
 /// `library_options`.
 std::vector<std::string> names_to_write(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::vector<std::string> names = {kManifestName};
@@ -77,8 +77,8 @@ void check_places(const BakeCommandOptions& options, const BakeOptions& bake) {
   OwnFiles(folder, kBakeFiles).require(names_to_write(options, bake));
 }
 
-/// Throws `Error`: file_access if one of those is a file that is read (by whatever name or link), of six files and of a
-/// directory any of the six; what `inspect_environment` throws.
+/// Throws `Error`: file_access if a file to be written is also read (by any name or link, any of six files and of a
+/// directory's six); and the errors of `inspect_environment`.
 void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& bake) {
   std::error_code none;
   const std::filesystem::path folder = platform::path_of(options.directory);
@@ -91,7 +91,7 @@ void check_input_is_kept(const BakeCommandOptions& options, const BakeOptions& b
   }
 }
 
-/// Throws `Error` (file_access) if a README.md that this bake would write over is somebody else's.
+/// Throws `Error` (file_access) if this bake would overwrite a README.md that no bake wrote.
 void check_readme_is_kept(const BakeCommandOptions& options) {
   for (const OutputFile& file : files_with(Content::readme, options.files)) {
     for (const char* const sign : kReadmeSigns) {
@@ -101,7 +101,7 @@ void check_readme_is_kept(const BakeCommandOptions& options) {
   }
 }
 
-// What is said of a bake to a person.
+// The table for a person.
 
 std::string size_text(std::uint64_t bytes) {
   constexpr double kKibi = 1024.0;
@@ -139,7 +139,7 @@ std::string mip_lines(const std::vector<MipRecord>& mips) {
   return text;
 }
 
-/// Of the library's bake, and the .env's chain beside it.
+/// Returns the passes of the library's bake and of the .env's chain.
 std::vector<PassRecord> measured_passes(const Baked& baked) {
   std::vector<PassRecord> passes = baked.light.diagnostics.passes;
   for (const PassRecord& pass : baked.passes) {
@@ -157,7 +157,7 @@ std::string time_line(const std::string& indent, const PassRecord& pass) {
          '\n';
 }
 
-/// The library's passes stand under the bake that they are parts of.
+/// Lists the library's passes under the bake that they are parts of.
 std::string time_lines(const Baked& baked) {
   std::string text = "\nTimes\n";
   for (const PassRecord& pass : baked.passes) {
@@ -185,7 +185,7 @@ BakeWords words_of(const Baked& baked, const BakeCommandOptions& options, const 
   return words;
 }
 
-/// Returns the line that names the preview to look at first; nothing without previews.
+/// Returns the line that names the main preview; empty without previews.
 std::string preview_line(const OutputFolder& folder) {
   for (const char* const name : {kPreviewPage, "preview_spheres.png", "preview_environment.png"}) {
     if (std::ranges::find(folder.files(), name, &WrittenFile::name) == folder.files().end()) continue;
@@ -194,7 +194,7 @@ std::string preview_line(const OutputFolder& folder) {
   return "";
 }
 
-/// `times`: how long it took, and what for.
+/// `times`: how long the bake took, by pass.
 std::string bake_table(const BakeWords& words, const std::string& times, const BakeCommandOptions& options,
                        const OutputFolder& folder) {
   std::string text = words.source + printable(platform::utf8(folder.path())) + ", axes " +
@@ -206,10 +206,10 @@ std::string bake_table(const BakeWords& words, const std::string& times, const B
 
 // The command.
 
-constexpr double kBaked = 0.6;  // of the progress; the rest is writing
+constexpr double kBaked = 0.6;  // fraction of the progress; the rest is writing
 constexpr std::array<std::string_view, 4> kRunningOptions = {"--output", "--json", "--threads", "--cache"};
 
-/// What can be refused is refused before there is a folder, and before any work.
+/// Refuses everything that can be refused, before a folder is made and before any work.
 void check(const BakeCommandOptions& options) {
   const BakeOptions bake = library_options(options);
   static_cast<void>(face_rotation(options));
@@ -232,7 +232,7 @@ void run(BakeCommandOptions options) {
   options.common.json || options.scene.plan_only ? print_result(text) : print_summary(text);
 }
 
-/// The files of a bake that was made before.
+/// Writes the files of an earlier bake.
 std::string write_kept(const KeptBake& kept, const BakeCommandOptions& options, const Control& control) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::string> names = {kManifestName};
@@ -268,7 +268,7 @@ std::string bake_to_folder(const BakeCommandOptions& options, const Control& con
   const std::string manifest = bake_manifest(baked, options, folder, tone_map);
   const std::vector<std::string> remarks = folder.finish(manifest, files_read(options));
   BakeWords words = words_of(baked, options, folder);
-  if (baked.notes.empty()) cache.keep(folder, manifest, words, words.notes);  // which are of this run alone
+  if (baked.notes.empty()) cache.keep(folder, manifest, words, words.notes);  // `baked.notes` concern this run alone
   words.notes.insert(words.notes.end(), remarks.begin(), remarks.end());
   if (options.common.json) return manifest;
   const std::string plan = options.scene.explains() ? '\n' + plan_text(baked.plan, measured_passes(baked)) : "";
@@ -286,7 +286,7 @@ Command bake_command() {
   command.run = [options, name = command.name, table = command.options](const Given& given) {
     require_input(name, options->input, options->sky);
     options->asked = given.of(table);
-    std::erase_if(options->asked, [](const auto& one) {  // what says where and how, and nothing of the files
+    std::erase_if(options->asked, [](const auto& one) {  // options of where and how, which do not affect the files
       return std::ranges::find(kRunningOptions, one.first) != kRunningOptions.end();
     });
     if (!given("--output") && !options->scene.plan_only) {

@@ -21,8 +21,8 @@ namespace {
               platform::utf8(path) + ": " + what + " (" + reason + "); pass a folder to -o that you may write to");
 }
 
-/// A remark that names a file or the cache without their folders, as `portable_path` has it, or the input as it is to
-/// be called.
+/// Returns a remark with files and the cache named without their folders, by `portable_path`, and the input by the name
+/// that it is to have.
 std::string portable_note(std::string note, const BakeCommandOptions& options) {
   const std::string input = options.input.value_or("");
   if (!options.called.empty() && !input.empty()) note = replaced(note, input, options.called);
@@ -141,7 +141,7 @@ Json diagnostics_json(const Baked& baked) {
           {"harmonics_error_estimate", diagnostics.error_estimate}};
 }
 
-/// All that differs from run to run is in here.
+/// Returns everything that differs from run to run.
 Json times_json(const Baked& baked) {
   Json list = Json::array();
   for (const auto* passes : {&baked.light.diagnostics.passes, &baked.passes}) {
@@ -157,7 +157,7 @@ Json times_json(const Baked& baked) {
   const std::vector<MipRecord> mips = baked.light.specular ? baked.light.specular->mips : std::vector<MipRecord>();
   for (std::size_t mip = 0; mip < mips.size(); ++mip) {
     const MipRecord& record = mips[mip];
-    const bool taken = reused || record.milliseconds == 0.0;  // by itself too: a cache found it
+    const bool taken = reused || record.milliseconds == 0.0;  // a single mip too: a cache found it
     list.push_back({{"name", "specular mip " + std::to_string(mip)},
                     {"action", name(taken ? PassAction::reuse : PassAction::run)},
                     {"reason", name(record.method)},
@@ -166,7 +166,7 @@ Json times_json(const Baked& baked) {
   return list;
 }
 
-// Which files of a folder an earlier run wrote.
+// The files of a folder that an earlier run wrote.
 
 constexpr const char* kRemedy = "; move it away, or pass another folder to -o";
 
@@ -174,7 +174,7 @@ constexpr const char* kRemedy = "; move it away, or pass another folder to -o";
   throw Error(ErrorCode::file_access, platform::utf8(path) + ": " + what + kRemedy);
 }
 
-/// The target of a link counts, as it would be replaced.
+/// Checks the target of a link, because that would be replaced.
 void require_replaceable(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::filesystem::file_status status = std::filesystem::status(path, unknown);
@@ -184,7 +184,7 @@ void require_replaceable(const std::filesystem::path& path) {
   }
 }
 
-/// A link whose target is missing is there too.
+/// Returns whether the name exists, also as a link whose target is missing.
 bool is_there(const std::filesystem::path& path) {
   std::error_code unknown;
   return std::filesystem::exists(std::filesystem::symlink_status(path, unknown));
@@ -196,7 +196,7 @@ const Json* member(const Json& object, std::string_view name) {
   return found == object.members().end() ? nullptr : &found->second;
 }
 
-/// Returns its list of files; none if the file is not a list of the command.
+/// Returns the list of files in a list of the command; nothing if the file is not one.
 std::optional<Json> files_listed_in(const std::filesystem::path& path) {
   try {
     const Json list = read_json_file(path, "");
@@ -216,13 +216,13 @@ std::optional<Json> files_listed_in(const std::filesystem::path& path) {
 }  // namespace
 
 OwnFiles::OwnFiles(std::filesystem::path folder, const FileSet& set) : folder_(std::move(folder)), set_(set) {
-  // Another run may begin or end meanwhile; one of these is there at any time.
+  // Another run may begin or end meanwhile; at any time one of these exists.
   for (const std::filesystem::path& list : {folder_ / set_.index, unfinished(), folder_ / set_.index}) add_listed(list);
 }
 
 std::filesystem::path OwnFiles::unfinished() const { return folder_ / (std::string("unfinished_") + set_.index); }
 
-/// A list may be forged: names that the command does not give, or in other folders, are ignored.
+/// Adds the names of a list. It may be forged: names that the command does not use, or in other folders, are ignored.
 void OwnFiles::add_listed(const std::filesystem::path& list) {
   if (!is_there(list)) return;
   require_replaceable(list);
@@ -364,7 +364,7 @@ std::vector<std::string> OutputFolder::format_notes() const {
     if (file.values_clamped > 0) {
       std::string note = file.name + ": " + counted(file.values_clamped, "value") + ' ' + file.range;
       if (file.share_clamped > 0.0) {
-        constexpr double kNearlyAll = 0.99;  // two digits of more would be "1e+02"
+        constexpr double kNearlyAll = 0.99;  // two digits of a value above would be "1e+02"
         const bool nearly_all = file.share_clamped > kNearlyAll;
         note += ", which removes " + (nearly_all ? "over 99" : significant(100.0 * file.share_clamped, 2)) +
                 " % of the light";

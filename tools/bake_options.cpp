@@ -24,11 +24,11 @@ constexpr double kMaxStops = 60.0;
 constexpr std::array<Container, 7> kContainers = {Container::ktx2, Container::dds, Container::exr, Container::hdr,
                                                   Container::pfm,  Container::env, Container::ktx};
 
-Option size_option(const char* name, int& size, int least, int largest, const std::string& text) {
-  return {.names = name, .target = &size, .text = text, .type = "N", .bounds = whole_between(least, largest)};
+Option size_option(const char* name, int& size, int minimum, int maximum, const std::string& text) {
+  return {.names = name, .target = &size, .text = text, .type = "N", .bounds = whole_between(minimum, maximum)};
 }
 
-// The schedules by their own names, and by those of engines that use them too.
+// Schedules by their names, and by those of engines that use them.
 const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   static const std::vector<std::pair<std::string, RoughnessSchedule>> words = {
       {"filament", RoughnessSchedule::filament}, {"three", RoughnessSchedule::filament},
@@ -38,14 +38,14 @@ const std::vector<std::pair<std::string, RoughnessSchedule>>& schedule_words() {
   return words;
 }
 
-/// The names of schedules, and of engines that use them, as --help lists words.
+/// Returns the names of schedules, and of engines that use them, as --help lists words.
 std::string schedule_names() {
   std::vector<std::string> names;
   for (const auto& [word, schedule] : schedule_words()) names.push_back(word);
   return alternatives(names);
 }
 
-/// Throws `BadValue`.
+/// Reads --roughness. Throws `BadValue`.
 RoughnessChoice roughness_choice(const std::vector<std::string>& words) {
   RoughnessChoice choice;
   if (words.size() == 1) {
@@ -78,7 +78,7 @@ std::optional<RoughnessSchedule> schedule_of_engine(const BakeCommandOptions& op
   return std::nullopt;
 }
 
-/// Whether the engine's shaders look up mip 5 r, however many mips there are.
+/// Returns whether the engine's shaders look up mip 5 r for any number of mips.
 bool looks_up_fifths(const BakeCommandOptions& options) noexcept {
   return options.orientation.to == Engine::playcanvas || options.orientation.to == Engine::qt;
 }
@@ -89,8 +89,8 @@ std::vector<double> fifths(int mips) {
   return table;
 }
 
-/// Where nobody names one: that of the engine that the files are for, if it is known; of an .env alone Babylon.js's;
-/// else the library's default.
+/// Returns the default schedule: that of the target engine, if it is known; of an .env alone Babylon.js's; else the
+/// library's default.
 RoughnessSchedule default_schedule(const BakeCommandOptions& options) {
   if (const auto schedule = schedule_of_engine(options)) return *schedule;
   return options.containers == std::set<Container>{Container::env} ? RoughnessSchedule::babylon
@@ -195,10 +195,10 @@ void add_specular_options(Options& table, BakeCommandOptions& options) {
              {.bounds = number_between(1e-6, 1.0)});
 }
 
-/// Returns the fewest bands of radiance whose irradiance under a lone lamp, the worst of all images, has at most this
-/// rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan 2001,
-/// equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 has any of it, nor has
-/// the last band.
+/// Returns the minimum number of bands of radiance whose irradiance under a lone lamp, the worst of all images, has at
+/// most this rms error, relative to the rms of that irradiance. With A_l of the cosine lobe (Ramamoorthi and Hanrahan
+/// 2001, equation 8), the sum of (2 l + 1) A_l^2 over all degrees is 8 pi^2 / 3; no odd degree above 1 contributes, nor
+/// does the last band.
 int bands_within(double rms_error) {
   double rest = 8.0 / 3.0 * std::numbers::pi * std::numbers::pi;
   const double bound = rest * rms_error * rms_error;
@@ -221,7 +221,7 @@ void add_error_budget_option(Options& table, BakeCommandOptions& options) {
              {.bounds = number_between(1e-6, 1.0), .excludes = {"--quality", "--rms-error", "--bands"}});
 }
 
-/// What is made beside the specular cubemap.
+/// Adds the options of results other than the specular cubemap.
 void add_lobe_options(Options& table, BakeCommandOptions& options) {
   const auto store = [&options](const std::vector<std::string>& words) {
     options.lobes.clear();
@@ -263,7 +263,7 @@ bool is_by_fifths(const BakeCommandOptions& options) noexcept {
   return looks_up_fifths(options) && !options.roughness.schedule && options.roughness.table.empty();
 }
 
-/// The schedule that was asked for, else the one of the engine that the files are for.
+/// Returns the selected schedule, else that of the target engine.
 RoughnessSchedule schedule_of(const BakeCommandOptions& options) {
   return options.roughness.schedule.value_or(default_schedule(options));
 }
@@ -341,20 +341,20 @@ bool writes_reflections(const BakeCommandOptions& options) noexcept {
 
 namespace {
 
-/// Returns whether the mips have another roughness than those that the engine's shaders look up. (What is for
-/// Babylon.js and glTF's viewers alone, .env and .glb, always has its own.)
+/// Returns whether the roughness of the mips differs from the roughness that the engine's shaders look up. (.env and
+/// .glb, for Babylon.js and glTF's viewers alone, always have their own.)
 bool contradicts_engine(const BakeCommandOptions& options) {
   if (!is_engine_folder(options) || !contains(options.files, Content::specular)) return false;
   if (!options.roughness.schedule && options.roughness.table.empty()) return false;
   BakeCommandOptions by_engine = options;
   by_engine.roughness = {};
   const PrefilterOptions asked = *library_options(options).specular;
-  const std::vector<double> own = roughness_by_formula(by_engine, asked.mips.value(), asked.size);
+  const std::vector<double> by_formula = roughness_by_formula(by_engine, asked.mips.value(), asked.size);
   constexpr double kSame = 1e-3;
-  return !std::ranges::equal(asked.roughness, own, [](double a, double b) { return std::abs(a - b) <= kSame; });
+  return !std::ranges::equal(asked.roughness, by_formula, [](double a, double b) { return std::abs(a - b) <= kSame; });
 }
 
-/// An engine's folder holds what its README.md loads, and nothing else.
+/// Checks that an engine's folder holds only files that its README.md loads.
 void check_textures_of_engine(const BakeCommandOptions& options) {
   const Engine engine = options.orientation.to;
   const std::string folder = std::string("--for ") + convention(engine).name;
@@ -428,36 +428,35 @@ glm::dmat3 face_rotation(const BakeCommandOptions& options) {
 
 namespace {
 
-/// How many mips the reflections have where nobody names them: as the schedule wants; of three.js's files down to 8
-/// texels.
+/// Returns the default number of mips of the reflections: that of the schedule; for three.js, down to 8 texels.
 int mips_wanted(const BakeCommandOptions& options) {
   const int size = options.specular.size;
-  // PlayCanvas' atlas has room for six. Qt's last mip is diffuse light, and reflections end at the one before.
+  // PlayCanvas' atlas holds six. Qt's last mip is diffuse light, and reflections end at the one before.
   if (is_by_fifths(options)) return std::min(full_chain_levels(size), options.orientation.to == Engine::qt ? 7 : 6);
   const int mips = default_mip_count(schedule_of(options), size);
-  // three.js's last mip is the diffuse light too, which four texels would blur. Its own chain also ends at 8.
+  // three.js's last mip is diffuse light too, which four texels would blur. Its own chain also ends at 8.
   constexpr int kMinMips = 5;
   const int to_eight = size >= 8 ? full_chain_levels(size / 8) : 1;
   return options.orientation.to == Engine::three ? std::min(mips, std::max(kMinMips, to_eight)) : mips;
 }
 
-/// Whether the lobes of mips are fitted to lookups between them: where nobody says so, for engines that read their own
-/// mips by a known formula. Not for three.js, whose last mip is the diffuse light too.
+/// Returns whether the lobes of mips are fitted to lookups between them: by default for engines that read their mips by
+/// a known formula. Not for three.js, whose last mip is diffuse light too.
 bool fits_lookups(const BakeCommandOptions& options) {
   if (!options.roughness.table.empty()) {
     if (!options.fit_lookups.value_or(false)) return false;
     throw Error(ErrorCode::invalid_argument,
                 "--fit-lookups on needs a formula, and --roughness has numbers; pass a schedule, or leave it out");
   }
-  if (is_by_fifths(options)) return false;  // no formula of a schedule
+  if (is_by_fifths(options)) return false;  // not a formula of a schedule
   if (options.fit_lookups) return *options.fit_lookups;
   const RoughnessSchedule schedule = schedule_of(options);
   if (options.containers.contains(Container::env) && schedule == RoughnessSchedule::babylon) return true;
   return options.orientation.to != Engine::three && schedule_of_engine(options) == schedule;
 }
 
-/// Options of the octahedral map of a chain, its border one texel of the last level: as many levels as have whole
-/// texels and four of them at least.
+/// Returns the options of a chain's octahedral map, with as many levels as have a whole number of texels per edge, at
+/// least four. The border is one texel of the last level.
 OctahedralOptions octahedral_of(int size, int chain_levels) {
   OctahedralOptions options{.size = size};
   while (options.levels < chain_levels && size % (2 << (options.levels - 1)) == 0 && (size >> options.levels) >= 4)
@@ -494,7 +493,7 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   if (fits_lookups(options)) specular.lobe_roughness = fitted_mip_roughness(schedule, mips, specular.size);
   if (options.background_size > 0) bake.background->size = options.background_size;
   bake.irradiance.reset();
-  // Where previews alone would look at it, it is not worth a refusal for want of harmonics.
+  // A cubemap that only previews would use is left out rather than refused for lack of harmonics.
   if (options.irradiance_size > 0 && (options.irradiance_method != IrradianceMethod::harmonics || bake.bands > 0 ||
                                       contains(options.files, Content::irradiance))) {
     bake.irradiance = IrradianceOptions{options.irradiance_size, options.irradiance_method,
@@ -505,8 +504,8 @@ BakeOptions library_options(const BakeCommandOptions& options) {
   bake.specular = specular;
   if (options.octahedral_size > 0) bake.octahedral = octahedral_of(options.octahedral_size, mips);
   bake.brdf = options.no_brdf ? std::nullopt : std::optional(options.brdf);
-  // The .env wants its polynomial, the .glb its coefficients, Filament's reflections their harmonics; the files of
-  // harmonics look at what was asked for.
+  // The .env needs its polynomial, the .glb its coefficients, and Filament's reflections their harmonics; files of
+  // harmonics depend on the selected bands.
   if (bake.bands == 0 && (contains_rgbd(options.files) || stores_harmonics(options))) bake.bands = 3;
   bake.memory_limit_bytes = options.common.read.memory_limit_bytes;
   return bake;

@@ -24,7 +24,7 @@ PrefilterOptions lobe_options(LobeFamily lobe, const BakeCommandOptions& options
   chain.lobe = lobe;
   chain.lobe_roughness.clear();
   if (lobe == LobeFamily::phong) return chain;
-  // glTF's viewer has one number of mips for its GGX and its sheen.
+  // glTF's viewer uses the same number of mips for its GGX and its sheen.
   if (lobe == LobeFamily::lambert || !is_engine_folder(options)) chain.mips.reset();
   chain.roughness.clear();
   if (lobe == LobeFamily::lambert)
@@ -107,7 +107,7 @@ double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest) {
       for (int column = 0; column < cubemap.size; ++column, rgb += 3) {
         const double u = (column + 0.5) * edge - 1.0;
         const double squared = 1.0 + u * u + v * v;
-        light.add(rgb, 1.0 / (squared * std::sqrt(squared)), largest);  // but for a factor
+        light.add(rgb, 1.0 / (squared * std::sqrt(squared)), largest);  // up to a constant factor
       }
     }
   }

@@ -22,7 +22,7 @@
 namespace welkin::tool {
 namespace {
 
-/// One cubemap of the result, and what is said of it.
+/// One cubemap of the result, and its description.
 struct Subject {
   Content content;
   std::string what;
@@ -31,12 +31,12 @@ struct Subject {
   std::string unit;
 };
 
-/// What all the writers below need to know.
+/// The state that all writers below share.
 struct Job {
   const BakeCommandOptions& options;
   OutputFolder& folder;
   const Control& control;
-  const SphericalHarmonics* radiance = nullptr;  ///< in Welkin's axes; none: there are no harmonics
+  const SphericalHarmonics* radiance = nullptr;  ///< in Welkin's axes; null without harmonics
 };
 
 std::string numbers_text(const std::vector<double>& values) { return listed(values, all_digits, " "); }
@@ -78,15 +78,15 @@ TextureOptions texture_options(const OutputFile& file, const Subject& cubemap, c
   if (job.radiance != nullptr && file.content == Content::specular && stores_harmonics(job.options)) {
     options.metadata["sh"] = filament_harmonics(*job.radiance);
   }
-  // Without it Qt takes the faces for images to be filtered.
+  // Without this entry Qt takes the faces for images to be filtered.
   if (job.options.orientation.to == Engine::qt && file.container == Container::ktx) {
     options.metadata["QT_IBL_BAKER_VERSION"] = "1";
   }
   return options;
 }
 
-/// A block of a small level holds much of the sphere, and little in it is alike. (Levels of a cubemap that is not
-/// blurred are for the distance, and nobody chooses how many there are, as nobody does of an engine's files.)
+/// Returns a warning about blocks of small mips, which cover much of the sphere and differ inside; none where the user
+/// does not choose the number of mips: for an engine's files, and for cubemaps that are not blurred.
 std::string caution_of(TexelFormat format, const Subject& cubemap, const BakeCommandOptions& options) {
   constexpr int kEnough = 32;
   const int last = cubemap.mips.back().size;
@@ -97,7 +97,7 @@ std::string caution_of(TexelFormat format, const Subject& cubemap, const BakeCom
          " is off by 3 to 10 %. End the chain sooner (--mips) or make it larger (--size)";
 }
 
-/// For a person: "KTX2 rgba16f zstd".
+/// Returns the format for a person: "KTX2 rgba16f zstd".
 std::string format_text(const OutputFile& file) {
   const char* const container = file.container == Container::ktx2  ? "KTX2 "
                                 : file.container == Container::ktx ? "KTX "
@@ -110,7 +110,7 @@ std::string format_text(const OutputFile& file) {
   return text;
 }
 
-/// Notes how much light a format's limit takes from an image or the first level of a chain, and what keeps it.
+/// Notes how much light a format's limit takes from an image or the first level of a chain, and how to keep it.
 template <class View>
 WrittenFile with_loss(WrittenFile file, const View& view, const glm::dvec3& largest, std::string remedy) {
   if (file.values_clamped == 0) return file;
@@ -132,7 +132,7 @@ void write_texture_file(const OutputFile& file, const Subject& cubemap, const Jo
   job.folder.add(with_loss(written, cubemap.mips.front(), largest_of(options.format), remedy_for(file, job.options)));
 }
 
-/// .hdr and .pfm know no mips: a vertical strip for each.
+/// Writes a vertical strip per mip: .hdr and .pfm have no mips.
 void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job) {
   const std::vector<std::string> names = names_of(file, static_cast<int>(cubemap.mips.size()));
   for (std::size_t mip = 0; mip < cubemap.mips.size(); ++mip) {
@@ -149,7 +149,7 @@ void write_strips(const OutputFile& file, const Subject& cubemap, const Job& job
   }
 }
 
-/// The first ones of its levels; 0: all.
+/// Keeps the first levels; 0 keeps all.
 Subject with_levels(Subject cubemap, int levels) {
   const auto most = static_cast<std::size_t>(levels);
   if (levels > 0 && cubemap.mips.size() > most) cubemap.mips.resize(most);
@@ -170,7 +170,7 @@ void write_cubemap(const Subject& cubemap, const Job& job) {
   }
 }
 
-/// The environment as a lat-long, which is the same image for all engines.
+/// Writes the environment as a lat-long, the same image for all engines.
 void write_lat_longs(const LatLongImage& image, const Job& job) {
   for (const OutputFile& file : files_with(Content::lat_long, job.options.files)) {
     const bool is_exr = file.container == Container::exr;
@@ -190,7 +190,7 @@ void write_lat_longs(const LatLongImage& image, const Job& job) {
   }
 }
 
-/// A stage of OpenUSD for each that is asked for, with the lat-long beside it.
+/// Writes the selected OpenUSD stages, with the lat-long next to each.
 void write_usd_stages(const Job& job) {
   for (const OutputFile& file : files_with(Content::usd_stage, job.options.files)) {
     job.folder.write({file.name, "a dome light with the lat-long", "OpenUSD text"},
@@ -198,7 +198,7 @@ void write_usd_stages(const Job& job) {
   }
 }
 
-/// The radiance of a white surface.
+/// Returns the radiance of a white surface.
 Cubemap over_pi(const Cubemap& irradiance) {
   Cubemap radiance = irradiance;
   for (float& value : radiance.pixels()) value *= std::numbers::inv_pi_v<float>;
@@ -211,13 +211,13 @@ std::vector<double> roughness_of(const PrefilteredSpecular& specular) {
   return table;
 }
 
-/// PlayCanvas' atlas and the asset that loads it. `light` in Welkin's axes.
+/// Writes PlayCanvas' atlas and the asset that loads it. `light` is in Welkin's axes.
 void write_playcanvas(const BakeResult& light, const Job& job) {
   if (!light.specular) return;
   for (const OutputFile& file : files_with(Content::playcanvas_atlas, job.options.files)) {
     const Cubemap& chain = light.specular->cubemap;
     const Cubemap white = light.irradiance ? over_pi(*light.irradiance) : Cubemap();
-    // The lobe of roughness 1, the last mip's, is the cosine's.
+    // The lobe of roughness 1, that of the last mip, is the cosine lobe.
     const CubemapView diffuse = light.irradiance ? white.view() : chain.view(chain.levels() - 1);
     const bool is_finer =
         light.specular->mips.back().roughness >= 1.0 && diffuse.size > chain.level_size(chain.levels() - 1);
@@ -239,7 +239,7 @@ void write_playcanvas(const BakeResult& light, const Job& job) {
   }
 }
 
-/// How the engine loads what was written.
+/// Writes README.md: how the engine loads the files.
 void write_readme(const Job& job) {
   for (const OutputFile& file : files_with(Content::readme, job.options.files)) {
     std::vector<std::string> written;
@@ -249,7 +249,7 @@ void write_readme(const Job& job) {
   }
 }
 
-/// What was computed, to the last bit: baked again it gives the same files.
+/// Writes the computed image with all its bits: baking it again gives the same files.
 void write_computed(const LatLongImage& image, const Job& job) {
   if (image.width == 0) return;
   WriteOptions options;
@@ -266,7 +266,7 @@ void turn_to_engine(BakeResult& light, const glm::dmat3& symmetry, const Control
   if (light.irradiance) light.irradiance = rotate(*light.irradiance, symmetry, control);
 }
 
-/// The specular chain as an octahedral map, in Welkin's axes, which are Godot's.
+/// Writes the specular chain as an octahedral map, in Welkin's axes, which are Godot's.
 void write_octahedral_maps(const BakeResult& light, const Job& job) {
   if (!light.octahedral) return;
   const OctahedralMap& map = *light.octahedral;
@@ -287,7 +287,7 @@ void write_octahedral_maps(const BakeResult& light, const Job& job) {
   }
 }
 
-/// Three channels, the third one 0 where the table has two.
+/// Returns three channels; the third is 0 if the table has two.
 LatLongImage image_of(const BrdfTable& table) {
   LatLongImage image{table.options.width, table.options.height, {}};
   const auto channels = static_cast<std::size_t>(table.channels);
@@ -299,7 +299,7 @@ LatLongImage image_of(const BrdfTable& table) {
   return image;
 }
 
-/// Writes the table in each container that was asked for and that can hold a plain image.
+/// Writes the table in each selected container that can hold a plain image.
 void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, OutputFolder& folder,
                 const Control& control) {
   const LatLongImage image = image_of(table);
@@ -326,12 +326,12 @@ void write_brdf(const BrdfTable& table, const BakeCommandOptions& options, Outpu
 constexpr const char* kRangeOfRgbd = "above 255 or below 0, the range of RGBD, clamped";
 constexpr double kLargestRgbd = 255.0;
 
-/// The chain of what holds RGBD, in Welkin's axes.
+/// Returns the chain that files in RGBD hold, in Welkin's axes.
 const PrefilteredSpecular& rgbd_chain(const Baked& baked) {
   return baked.env_is_specular ? *baked.light.specular : *baked.env;
 }
 
-/// The source's own harmonics, or those that it stored: mip 0 of RGBD ends at 255.
+/// Returns the source's harmonics, or those that it stores: mip 0 of RGBD ends at 255.
 const SphericalHarmonics& rgbd_radiance(const Baked& baked) {
   return baked.stored_light ? baked.stored_light->radiance : *baked.light.radiance;
 }
@@ -341,7 +341,7 @@ WrittenFile rgbd_file(const WrittenFile& file, const Baked& baked) {
                    baked.sun_wanted ? "" : kWithoutSun);
 }
 
-/// environment.env, in Babylon.js's axes.
+/// Writes environment.env, in Babylon.js's axes.
 void write_env(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = rgbd_chain(baked);
   const SphericalHarmonics& radiance = rgbd_radiance(baked);
@@ -368,7 +368,7 @@ void write_env(const Baked& baked, const std::string& file, OutputFolder& folder
                 baked));
 }
 
-/// environment.glb, a light of EXT_lights_image_based.
+/// Writes environment.glb, a light of EXT_lights_image_based.
 void write_gltf_light(const Baked& baked, const std::string& file, OutputFolder& folder, const Control& control) {
   const PrefilteredSpecular& specular = rgbd_chain(baked);
   const GltfLight light = gltf_light(specular.cubemap, rgbd_radiance(baked), control);
@@ -395,7 +395,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   report.options.pixels = baked.options.pixels;
   report.options.bands = light.bands();
   report.projection = {rotate(light, matrix), baked.light.diagnostics};
-  report.projection.diagnostics.passes.clear();  // the manifest has the times; these files have no use for them
+  report.projection.diagnostics.passes.clear();  // the manifest has the times
   report.axes = axes_text(options.orientation);
   report.engine = options.orientation.to;
   report.sky = baked.sky;
@@ -412,7 +412,7 @@ ShReport report_of(const Baked& baked, const BakeCommandOptions& options) {
   return report;
 }
 
-/// sh.json and, where floats hold the light, the same for a compiler.
+/// Writes sh.json and, if floats hold the light, source code with the same values.
 void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder) {
   if (options.bake.bands == 0 || !baked.light.radiance) return;
   const ShReport report = report_of(baked, options);
@@ -424,7 +424,7 @@ void write_harmonics(Baked& baked, const BakeCommandOptions& options, OutputFold
   std::string header;
   try {
     header = is_c ? sh_c_header(report) : sh_c_sharp(report);
-  } catch (const Error& error) {  // of light beyond all floats, which JSON holds
+  } catch (const Error& error) {  // light beyond the range of floats, which JSON holds
     if (error.code() != ErrorCode::limit_exceeded) throw;
     baked.notes.push_back(name + " is omitted: " + error.what());
     return;
@@ -447,7 +447,7 @@ std::vector<WrittenFile> draw_previews(const Baked& baked, const BakeCommandOpti
   return files;
 }
 
-/// All files but .env, .glb and the previews.
+/// Writes all files but .env, .glb and the previews.
 void write_files(Baked& baked, const BakeCommandOptions& options, OutputFolder& folder, const Control& control) {
   BakeResult& light = baked.light;
   const Job job{options, folder, control, light.radiance ? &*light.radiance : nullptr};
@@ -540,11 +540,11 @@ void write_bake(Baked& baked, const BakeCommandOptions& options, OutputFolder& f
   };
   begin_stage("write");
   if (face_rotation(options) == glm::dmat3(1.0)) {
-    // Side by side: an image is packed by one thread, a file written by another.
+    // These run concurrently: one thread packs an image while others write files.
     const jobs::Placement where = jobs::Placement::arena;
     jobs::run_tiles(2, where, jobs::worker_count(where), {control.stop, {}},
                     [&](std::size_t index, std::size_t) { index == 0 ? draw() : write(); });
-  } else {  // what is drawn is not turned yet
+  } else {  // previews are drawn before rotation
     draw();
     write();
   }

@@ -1,4 +1,4 @@
-// Cubemaps that the library made, reflections, BRDF tables and bakes: at once, as jobs, and written to the caller's
+// Cubemaps that the library made, reflections, BRDF tables and bakes: synchronous, as jobs, and written to the caller's
 // memory.
 #include <algorithm>
 #include <array>
@@ -120,7 +120,7 @@ welkin_status welkin_chain_get_mip(const welkin_chain* chain, int32_t level, wel
   });
 }
 
-// What is asked of reflections, tables and bakes.
+// Options of reflections, tables and bakes.
 
 static_assert(WELKIN_QUALITY_NORMAL == static_cast<int>(welkin::Quality::normal));
 static_assert(WELKIN_QUALITY_FAST == static_cast<int>(welkin::Quality::fast));
@@ -168,7 +168,7 @@ void read_spectra(const welkin_prefilter_options& given, PrefilterOptions& wante
   }
 }
 
-/// Roughness by a named schedule, where the caller has none of its own.
+/// Reads roughness by a named schedule, unless the caller has a table.
 void read_schedule(const welkin_prefilter_options& given, PrefilterOptions& wanted) {
   constexpr std::array schedules{RoughnessSchedule::filament, RoughnessSchedule::linear, RoughnessSchedule::filament,
                                  RoughnessSchedule::babylon,  RoughnessSchedule::unity,  RoughnessSchedule::unreal};
@@ -356,10 +356,10 @@ welkin_status welkin_bake_many(const welkin_environment* probes, int64_t probe_c
     const auto written = cubemap_targets(targets, target_count);
     if (totals != nullptr) require_room(totals, 0);
     if (!views.empty() && bands != 0) require(coefficients, "coefficients");
-    const std::size_t room =
+    const std::size_t count =
         bands > 0 && bands <= welkin::kMaximumBands ? views.size() * static_cast<std::size_t>(bands * bands) : 0;
     const auto baked =
-        welkin::bake_many(views, written, triples(coefficients, room), wanted, bands, control_of(control));
+        welkin::bake_many(views, written, triples(coefficients, count), wanted, bands, control_of(control));
     if (totals != nullptr) write_diagnostics(totals, baked.diagnostics);
     tell(baked.values_clamped, values_clamped);
   });

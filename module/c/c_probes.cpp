@@ -70,7 +70,7 @@ const BakedProbes& probes_of(const welkin_probes* probes) {
 }  // namespace
 }  // namespace welkin::c_interface
 
-// Entries of C have no namespace to be in.
+// Entries of C cannot be in a namespace.
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 void welkin_probes_destroy(welkin_probes* probes) { destroy(probes); }
@@ -119,11 +119,11 @@ welkin_status welkin_probes_irradiance(const welkin_probes* probes, const double
   return guarded([&] {
     const auto& baked = probes_of(probes);
     if (count == 0) return;
-    const auto places = triples(positions, count, "positions");
+    const auto points = triples(positions, count, "positions");
     const auto facing = triples(normals, count, "normals");
     require(irradiance, "irradiance");
     for (std::size_t k = 0; k < count; ++k) {
-      write_triple(welkin::probe_irradiance(baked, places[k], facing[k]), irradiance + 3 * k);
+      write_triple(welkin::probe_irradiance(baked, points[k], facing[k]), irradiance + 3 * k);
     }
   });
 }

@@ -1,4 +1,4 @@
-// Projections, at once and as jobs; harmonics, and light in the forms of engines.
+// Projections, synchronous and as jobs; harmonics, and light in the forms of engines.
 #include <algorithm>
 #include <cstddef>
 #include <glm/mat3x3.hpp>
@@ -18,7 +18,7 @@
 
 static_assert(WELKIN_MAXIMUM_BANDS == welkin::kMaximumBands);
 
-// Entries of C have no namespace to be in.
+// Entries of C cannot be in a namespace.
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_project(const welkin_environment* mips, int32_t mip_count,
@@ -41,8 +41,8 @@ welkin_status welkin_project_many(const welkin_environment* probes, int64_t prob
     const auto views = probe_views(probes, probe_count);
     if (totals != nullptr) require_room(totals, 0);
     if (!views.empty()) require(coefficients, "coefficients");
-    const std::size_t room = views.size() * static_cast<std::size_t>(wanted.bands * wanted.bands);
-    const auto sum = welkin::project_many(views, triples(coefficients, room), wanted, control_of(control));
+    const std::size_t count = views.size() * static_cast<std::size_t>(wanted.bands * wanted.bands);
+    const auto sum = welkin::project_many(views, triples(coefficients, count), wanted, control_of(control));
     if (totals != nullptr) write_diagnostics(totals, sum);
   });
 }

@@ -24,7 +24,7 @@ constexpr int kMaxLayers = 8;
 constexpr int kMaxAbsorbers = 4;
 constexpr int kMaxWavelengths = 96;
 
-/// One value per wavelength; none where the caller has none.
+/// Returns one value per wavelength; none if the pointer is null.
 std::vector<double> by_wavelength(const double* values, std::size_t wavelengths) {
   return values == nullptr ? std::vector<double>{} : std::vector<double>(values, values + wavelengths);
 }
@@ -44,7 +44,7 @@ Constituent constituent_of(const welkin_constituent* constituent, const char* na
   return matter;
 }
 
-/// The planet at the caller's wavelengths, if there are any.
+/// Returns the planet at the caller's wavelengths, if there are any.
 Atmosphere planet_of(const welkin_atmosphere& given) {
   require_enumerator("planet", given.planet, WELKIN_PLANET_EARTH_POLLUTED);
   image::require_range("wavelength_count", given.wavelength_count, 0, kMaxWavelengths);

@@ -17,7 +17,7 @@
 #include "welkin/sky_light.h"
 #include "welkin/welkin.h"
 
-/// With the chains that it lends, by the reflections of its last update.
+/// A dynamic sky, and the chains that it lends, as in the reflections of its last update.
 struct welkin_sky_light {
   template <class... Arguments>
   explicit welkin_sky_light(Arguments&&... arguments) : light(std::forward<Arguments>(arguments)...) {}
@@ -97,7 +97,7 @@ welkin_status welkin_job_get_sky_curve(const welkin_job* job, welkin_sky_curve**
 namespace welkin::c_interface {
 SkyLightOptions light_options(const welkin_sky_light_options* options) {
   const auto given = read_options(options, "options");
-  // Zero selects the default, and a value below zero none.
+  // Zero selects the default; a negative value sets 0, which is no threshold.
   const auto set_threshold = [](double& target, double value) {
     if (value != 0.0) target = std::max(value, 0.0);
   };
@@ -123,7 +123,7 @@ auto& light_of(Handle* light) {
   return light->light;
 }
 
-/// Lends the chains of this frame. What was lent before keeps its number, in whichever place it is now.
+/// Lends the chains of this frame. A chain that was already lent keeps its id, whichever slot it is in now.
 void lend(welkin_sky_light& sky, const SkyLightFrame& frame) {
   const auto& wanted = frame.reflections;
   if (sky.lent[0].specular == wanted[0].specular && sky.lent[1].specular == wanted[1].specular) return;

@@ -11,7 +11,7 @@
 namespace welkin::c_interface {
 namespace {
 
-/// A thread's last error. The text is kept separate from its storage: there may be no memory to say so.
+/// A thread's last error. The text is separate from its storage, so that it can be set when memory runs out.
 struct LastError {
   welkin_status status = WELKIN_OK;
   const char* text = "";
@@ -91,7 +91,7 @@ void require(const void* pointer, const char* name) {
 
 namespace {
 
-/// By how much a structure may grow until it must be taken for one whose size was never set.
+/// The number of bytes by which a stated size may exceed the known one; beyond it, the size was never set.
 constexpr std::size_t kMaxSurplus = 4096;
 
 }  // namespace
@@ -100,8 +100,8 @@ std::size_t stated_size(const void* given, std::size_t known, std::size_t alignm
   require(given, name);
   std::uint32_t size = 0;
   std::memcpy(&size, given, sizeof size);
-  const std::size_t least = std::max(sizeof size, alignment);
-  if (size < least || size % alignment != 0 || size > known + kMaxSurplus) {
+  const std::size_t minimum = std::max(sizeof size, alignment);
+  if (size < minimum || size % alignment != 0 || size > known + kMaxSurplus) {
     refuse(std::string(name) + "->struct_size is " + std::to_string(size) +
            "; it must be the structure's sizeof, which is " + std::to_string(known) + " in version " +
            std::to_string(WELKIN_C_VERSION));
@@ -140,7 +140,7 @@ Control control_of(const welkin_control* control) { return control == nullptr ? 
 
 namespace {
 
-constexpr std::int32_t kMaxLevels = 15;  // of 16384 texels
+constexpr std::int32_t kMaxLevels = 15;  // down from 16384 texels
 
 static_assert(WELKIN_FORMAT_RGBA_SRGB8 == static_cast<int>(PixelFormat::srgba8));
 static_assert(WELKIN_FORMAT_RGB_F16 == static_cast<int>(PixelFormat::rgb16f));
@@ -150,7 +150,7 @@ static_assert(WELKIN_NEGATIVE_REJECT == static_cast<int>(NegativePolicy::reject)
 
 PixelFormat pixel_format(welkin_format format) { return enumerator("format", format, PixelFormat::srgba8); }
 
-/// The most negative stride has no opposite to be compared with.
+/// Rejects the most negative stride, which has no positive counterpart to compare with.
 std::ptrdiff_t stride(std::int64_t row_stride_bytes) {
   if (row_stride_bytes == std::numeric_limits<std::int64_t>::min()) {
     refuse("row_stride_bytes is " + std::to_string(row_stride_bytes) + "; no image is that large");
@@ -165,8 +165,8 @@ int face_size(std::int64_t size) {
   return static_cast<int>(size);
 }
 
-/// An array of the caller's structures, which may be shorter or longer than ours: the next one lies where this one ends
-/// for them.
+/// Reads an array of the caller's structures, which may be shorter or longer than this library's: the stated size is
+/// the distance between them.
 template <class Struct>
 std::vector<Struct> read_structs(const Struct* first, std::size_t count, const std::string& name) {
   const std::size_t step = stated_size(first, sizeof(Struct), alignof(Struct), name.c_str());
@@ -310,7 +310,7 @@ void write_diagnostics(welkin_projection* totals, const ProjectionDiagnostics& d
   write_struct(totals, plain(diagnostics), "totals");
 }
 
-// Memory of the caller's.
+// The caller's memory.
 
 namespace {
 
@@ -451,7 +451,7 @@ const char* welkin_status_name(welkin_status status) {
     case WELKIN_INTERNAL: return "internal";
     default: break;
   }
-  // The others are those of the error codes.
+  // The other statuses are those of the error codes.
   for (int number = 0; number <= static_cast<int>(welkin::ErrorCode::stopped); ++number) {
     const auto code = static_cast<welkin::ErrorCode>(number);
     if (status_of(code) == status) return welkin::name(code);

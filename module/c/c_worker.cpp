@@ -21,7 +21,7 @@ ThreadPriority thread_priority_of(welkin_thread_priority priority) {
   return priorities[static_cast<std::size_t>(priority)];
 }
 
-/// An engine's threads, lent through a function pointer.
+/// An executor on an engine's threads, through a function pointer.
 class FunctionExecutor final : public Executor {
  public:
   FunctionExecutor(decltype(welkin_worker_options::enqueue) function, void* user, int concurrency) noexcept
@@ -29,7 +29,7 @@ class FunctionExecutor final : public Executor {
 
   [[nodiscard]] int concurrency() const noexcept override { return concurrency_; }
   void enqueue(void (*run)(void* job), void* job) override {
-    // A function that ends its thread may have taken the task or not; assuming that it did does no harm.
+    // A function that ends its thread may have taken the task or not; assuming that it did is harmless.
     static_cast<void>(returns([&] { enqueue_(user_, run, job); }));
   }
 
@@ -112,7 +112,7 @@ class FunctionRequest {
       throw StatusError(WELKIN_INTERNAL,
                         "the function returned WELKIN_NOT_READY, which is not a valid result of a job");
     }
-    // What a call inside failed with is why the function did.
+    // A call inside that failed with this status explains the function's failure.
     if (status == last_error_status()) throw StatusError(status, welkin_last_error());
     throw StatusError(status, "the function returned " + std::to_string(status));
   }
@@ -136,7 +136,7 @@ welkin_status welkin_post_function(welkin_worker* worker,
 
 namespace {
 
-constexpr std::chrono::hours kForever{24 * 365 * 100};  // what is longer would overflow a clock
+constexpr std::chrono::hours kForever{24 * 365 * 100};  // a longer duration would overflow a clock
 
 const Outcome kNotReady{WELKIN_NOT_READY, {}};
 

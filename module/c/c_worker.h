@@ -1,4 +1,4 @@
-// What C callers hold: a worker, its jobs, and results.
+// The handles of the C interface: a worker, its jobs, and results.
 #pragma once
 
 #include <atomic>
@@ -23,16 +23,16 @@
 #include "welkin/welkin.h"
 #include "welkin/worker.h"
 
-// Results. A handle shares what it shows: it holds a pointer, and any number of handles may hold the same.
+// Results. A handle shares what it shows through a pointer; any number of handles may hold the same one.
 
 struct welkin_chain {
-  welkin_chain() = default;  ///< shows nothing
+  welkin_chain() = default;  ///< has no levels
   explicit welkin_chain(std::shared_ptr<const welkin::PrefilteredSpecular> specular);
-  /// Of a chain or an image that `its_owner` keeps.
+  /// Shows a chain or an image that `its_owner` keeps.
   welkin_chain(std::vector<welkin::CubemapView> its_levels, std::shared_ptr<const void> its_owner);
 
   std::vector<welkin::CubemapView> levels;    ///< packed RGB floats
-  std::span<const welkin::MipRecord> mips{};  ///< of a prefiltered one
+  std::span<const welkin::MipRecord> mips{};  ///< of a prefiltered chain
   std::shared_ptr<const void> owner;
 };
 
@@ -40,7 +40,7 @@ struct welkin_bake_result {
   explicit welkin_bake_result(std::shared_ptr<const welkin::BakeResult> its_result);
 
   std::shared_ptr<const welkin::BakeResult> result;
-  welkin_chain background, specular, irradiance;  ///< of no levels where they were not made
+  welkin_chain background, specular, irradiance;  ///< without levels where they were not made
 };
 
 struct welkin_sky_tables {
@@ -65,7 +65,7 @@ struct welkin_worker {
   welkin::Worker worker;
 };
 
-// A posted job as C callers hold it: counted, asked any number of times, from any thread.
+// A posted job as C callers hold it: reference-counted, and usable from any thread.
 
 struct welkin_job {
  public:
@@ -76,13 +76,13 @@ struct welkin_job {
 
   [[nodiscard]] const welkin::JobHandle& handle() const noexcept { return handle_; }
 
-  /// Waits until result or error are there, with the worker's help; or at most so long.
+  /// Waits for a result or an error while helping the worker; `wait_for` waits at most the given time.
   void wait() const;
   void wait_for(std::chrono::nanoseconds time) const;
 
-  /// WELKIN_NOT_READY, or how it ended. Throws std::bad_alloc.
+  /// Returns WELKIN_NOT_READY, or how the job ended. Throws std::bad_alloc.
   [[nodiscard]] const welkin::c_interface::Outcome& outcome() const;
-  /// Of a job that is done and went well; null if it makes something else.
+  /// Returns the result of a job that succeeded; null if the job makes another type.
   template <class Result>
   [[nodiscard]] const Result* result() const {
     if (record().result_type != &welkin::detail::type_tag<Result>) return nullptr;
@@ -98,27 +98,27 @@ struct welkin_job {
     return *welkin::detail::JobAccess::record(handle_);
   }
 
-  welkin::JobHandle handle_;  ///< the result stays in its record, where nobody takes it
+  welkin::JobHandle handle_;  ///< the result stays in its record and is never moved out
   std::atomic<std::size_t> references_{1};
 
-  mutable std::once_flag asked_;  ///< how it ended is looked up once: errors are thrown, which takes its time
+  mutable std::once_flag asked_;  ///< the outcome is looked up once: errors are thrown, which is slow
   mutable welkin::c_interface::Outcome outcome_;
 };
 
 namespace welkin::c_interface {
 
-/// Holds a reference.
+/// A counted reference to a job.
 using JobReference = std::shared_ptr<welkin_job>;
 
-/// A job that nothing is known of yet. Throws std::bad_alloc.
+/// Makes a job that is not yet attached to a posted one. Throws std::bad_alloc.
 [[nodiscard]] inline JobReference make_job() {
   return {new welkin_job, [](welkin_job* job) { job->release(); }};
 }
 
-/// What a question about the job returns, and what that leaves in `welkin_last_error`.
+/// Returns the status of a query about the job; a failure also becomes the last error.
 welkin_status report(const Outcome& outcome) noexcept;
 
-/// `use(result)` if the job is done and went well and makes such a thing; `what` is that thing, for the message.
+/// Calls `use(result)` if the job succeeded and makes this type; `what` names the type in the message.
 template <class Result, class Use>
 welkin_status with_result(const welkin_job* job, const char* what, const Use& use) noexcept {
   return guarded([&] {
@@ -132,7 +132,7 @@ welkin_status with_result(const welkin_job* job, const char* what, const Use& us
   });
 }
 
-/// Makes a handle for the caller: `made` becomes null first, and the new handle at last.
+/// Makes a handle for the caller: sets `made` to null first, and to the new handle at the end.
 template <class Handle, class Make>
 void hand_out(Handle** made, const char* name, const Make& make) {
   require(made, name);
@@ -140,13 +140,13 @@ void hand_out(Handle** made, const char* name, const Make& make) {
   *made = make();
 }
 
-/// Around the body of an entry that makes a handle.
+/// Wraps the body of an entry that makes a handle.
 template <class Handle, class Make>
 welkin_status guarded_making(Handle** made, const char* name, const Make& make) noexcept {
   return guarded([&] { hand_out(made, name, make); });
 }
 
-/// The same of a job's result.
+/// Makes a handle for a job's result.
 template <class Result, class Handle, class Make>
 welkin_status hand_out_result(const welkin_job* job, Handle** made, const char* what, const Make& make) noexcept {
   if (made != nullptr) *made = nullptr;
@@ -154,15 +154,15 @@ welkin_status hand_out_result(const welkin_job* job, Handle** made, const char* 
                              [&](const Result& result) { hand_out(made, what, [&] { return make(result); }); });
 }
 
-/// Memory of a destroyed handle comes back here; nothing is thrown.
+/// Deletes a handle with the default floating-point environment; throws nothing.
 template <class Handle>
 void destroy(Handle* handle) noexcept {
   static_cast<void>(guarded([&] { const std::unique_ptr<Handle> gone(handle); }));
 }
 
-// What is asked of a prefilter, a bake and a sky. These throw `Error` (invalid_argument), for null handles too.
+// Options of a prefilter, a bake and a sky. These throw `Error` (invalid_argument), for null handles too.
 
-/// `size` is what 0 stands for; `pixels` whether the options' policy counts, else it must be null.
+/// Reads options. 0 selects `size`. `pixels`: whether the options may have a pixel policy; if not, it must be null.
 [[nodiscard]] PrefilterOptions prefilter_options(const welkin_prefilter_options* options, int size, bool pixels,
                                                  Quality otherwise = Quality::normal);
 [[nodiscard]] BakeOptions bake_options(const welkin_bake_options* options);
@@ -173,21 +173,21 @@ void destroy(Handle* handle) noexcept {
 [[nodiscard]] ProbeGrid probe_grid(const welkin_probe_grid* grid);
 [[nodiscard]] ProbeOptions probe_options(const welkin_probe_options* options);
 [[nodiscard]] Atmosphere atmosphere_of(const welkin_atmosphere* atmosphere);
-/// The layout of that name; `name` is text of a caller, of which messages repeat 64 characters.
+/// Returns the layout of that name; messages repeat at most 64 characters of `name`, which is the caller's text.
 [[nodiscard]] ProbeLayout probe_layout(std::string_view name);
 [[nodiscard]] const std::shared_ptr<const SkyTables>& tables_of(const welkin_sky_tables* tables);
 [[nodiscard]] const SkyView& view_of(const welkin_sky_view* view);
 
-inline constexpr int kSkyReflections = 32;  ///< texels along an edge of a sky's reflections where nothing is said
+inline constexpr int kSkyReflections = 32;  ///< default texels along an edge of a sky's reflections
 
 // Priorities are numbers around 0, the default.
 
-/// Throws `Error` (invalid_argument) if there is none of that number.
+/// Throws `Error` (invalid_argument) if no priority has that number.
 [[nodiscard]] TaskPriority priority_of(welkin_priority priority);
 
-// Posting: what is handed over is given back whatever happens, and nothing fails any more once a job is posted.
+// Posting: ownership that is handed over is always released, and nothing can fail once a job is posted.
 
-/// A caller's post options; made before anything else that can fail, so that what is handed over has a keeper.
+/// A caller's post options. Made before anything else that can fail, so that it owns what is handed over.
 struct Posting {
   explicit Posting(const welkin_post_options* options)
       : given(options == nullptr ? welkin_post_options{} : read_known(options, "post")),
@@ -223,7 +223,7 @@ class CompletedCallback final : public detail::Computation {
   void* user_;
 };
 
-/// All that is needed later is made first: nothing may fail once the job is posted.
+/// Posts a job. Makes all objects that are needed later first: nothing may fail once the job is posted.
 template <class Request>
 void post(welkin_worker* worker, Request request, const Posting& posting, welkin_job** job) {
   const JobReference reference = make_job();
@@ -241,7 +241,7 @@ void post(welkin_worker* worker, Request request, const Posting& posting, welkin
   *job = reference.get();
 }
 
-/// Around every post: `body` gets the posting and returns the request.
+/// Wraps every post: `body` gets the posting and returns the request.
 template <class Body>
 [[nodiscard]] welkin_status guarded_post(welkin_worker* worker, const welkin_post_options* options, welkin_job** job,
                                          const Body& body) noexcept {
