@@ -12,7 +12,7 @@
 
 namespace welkin::test {
 
-// The quadrature of BRDF tables against integration over the light's hemisphere, closed limits and more nodes.
+// Checks the quadrature of BRDF tables against integration over the light's hemisphere, closed limits and more nodes.
 
 namespace {
 
@@ -22,11 +22,11 @@ using report::sheen_truth;
 
 using Sixteen = std::array<float, simd::kLanes>;
 
-/// From the first column of the widest table to the last.
+/// Cosines from the first column of the widest table to the last.
 constexpr Sixteen kCosines{0.5F / 4096, 2.0F / 4096, 0.5F / 256, 0.5F / 64,     1.5F / 64, 2.5F / 64,
                            0.086F,      0.13F,       0.2F,       0.35F,         0.5F,      0.65F,
                            0.8F,        0.9F,        63.5F / 64, 4095.5F / 4096};
-/// The same for rows, with both sides of where the number of nodes changes.
+/// Roughness of rows, on both sides of each change in the number of nodes.
 const std::vector<double> kRoughness{0.5 / 4096, 0.5 / 1024, 0.5 / 256, 0.5 / 64, 1.5 / 64, 0.03, 0.05,
                                      0.07,       0.1,        0.15,      0.199,    0.2,      0.24, 0.26,
                                      0.35,       0.49,       0.5,       0.6,      0.7,      0.85, 1.0 - 0.5 / 4096};
@@ -47,7 +47,7 @@ Albedos albedos(const reflections::AlbedoRule& ggx, const reflections::AlbedoRul
   return result;
 }
 
-/// As the table's rules give it.
+/// Returns the albedos by the table's quadrature rules.
 Albedos by_rules(double roughness) {
   const reflections::AlbedoRules rules;
   return albedos(rules.ggx(roughness), rules.sheen(roughness), roughness, kCosines);
@@ -69,7 +69,7 @@ TEST_CASE("GGX albedo is the light hemisphere's integral to 1e-5 from grazing to
       worst = std::max(worst, error);
     }
   }
-  CHECK(worst > 1e-8);  // in float: anything else compared nothing
+  CHECK(worst > 1e-8);  // // computed in float: a smaller difference would mean that nothing was compared
 }
 
 TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf][truth]") {
@@ -123,7 +123,7 @@ TEST_CASE("A mirror's albedo is Schlick's Fresnel", "[brdf]") {
 }
 
 TEST_CASE("At roughness 1 the whole albedo is 1 - N.V log(1 + 1 / N.V)", "[brdf]") {
-  // D is 1 / pi and V = 1 / (2 (n.l + n.v)): what is left is Int n.l / (n.l + n.v) d(n.l) over [0, 1].
+  // D is 1 / pi and V = 1 / (2 (n.l + n.v)), which leaves Int n.l / (n.l + n.v) d(n.l) over [0, 1].
   const Albedos found = by_rules(1.0);
   for (std::size_t k = 0; k < kCosines.size(); ++k) {
     const double cosine = kCosines[k];
@@ -244,7 +244,7 @@ TEST_CASE("A cancelled BRDF table is not there, and the next call makes it", "[b
   CHECK(thrown_by([&] { (void)brdf_table(options, {source.get_token(), {}}); }).code == ErrorCode::cancelled);
   const auto table = brdf_table(options);
   CHECK(same(*table, *reflections::integrated_brdf(options, {})));
-  // Also where it is cached.
+  // A cached table is cancelled, too.
   CHECK(thrown_by([&] { (void)brdf_table(options, {source.get_token(), {}}); }).code == ErrorCode::cancelled);
 }
 

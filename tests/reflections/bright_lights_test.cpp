@@ -1,5 +1,5 @@
-// Promise: bright texels are found whole, and the lights that stand for them, merged or cut by the horizon, give what
-// their areas give.
+// Promise: all bright texels are found, and the lights that represent them, merged or cut by the horizon, contribute
+// what their areas do.
 #include "reflections/bright_lights.h"
 
 #include "image/geometry.h"
@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kReach = 9.25;
 
-/// Texels of a disc on a lat-long of 1024 x 512 or the fifth face of a cubemap of 256, another colour on each side, and
-/// one near the edge a thousand times as bright.
+/// Returns the texels of a disc on a lat-long of 1024 x 512 or the fifth face of a cubemap of 256, with different
+/// colours on its two sides and one texel near the edge a thousand times as bright.
 std::vector<reflections::BrightTexel> disc(const reflections::ImageShape& shape, int radius) {
   std::vector<reflections::BrightTexel> texels;
   std::vector<double> angles(static_cast<std::size_t>(shape.columns));
@@ -40,7 +40,7 @@ std::vector<reflections::BrightTexel> disc(const reflections::ImageShape& shape,
   return texels;
 }
 
-/// A lobe's integral over the texels, each cut in `cuts` x `cuts`, in double. `lobe`: of a cosine.
+/// Returns a lobe's integral over the texels, each cut in `cuts` x `cuts`, in double. `lobe` is a function of a cosine.
 glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const reflections::ImageShape& shape,
                     const auto& lobe, const glm::dvec3& direction, int cuts) {
   glm::dvec3 sum(0.0);
@@ -66,11 +66,11 @@ glm::dvec3 truth_of(const std::vector<reflections::BrightTexel>& texels, const r
   return sum;
 }
 
-/// How far the lights are from the truth at every `step`th texel of a cubemap of `size`.
+/// Errors of the lights against the reference at every `step`th texel of a cubemap of `size`.
 struct Off {
-  double rms = 0.0;       ///< over that of the truth
-  double whole = 0.0;     ///< root mean square of the truth
-  double relative = 0.0;  ///< at any texel that is not below `dark` of the brightest
+  double rms = 0.0;       ///< relative to that of the reference
+  double whole = 0.0;     ///< root mean square of the reference
+  double relative = 0.0;  ///< largest, over texels that are not below `dark` of the brightest
 };
 
 Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflections::ImageShape& shape,
@@ -92,7 +92,7 @@ Off off_of(const std::vector<reflections::BrightTexel>& texels, const reflection
       const double error = std::abs(static_cast<double>(pixels[3 * k + static_cast<std::size_t>(c)]) - truth[c]);
       squares += error * error;
       off.whole += truth[c] * truth[c];
-      // Where the horizon leaves a sliver of the disc, the truth's own points are coarse.
+      // Where the horizon leaves a sliver of the disc, the reference's sample points are coarse.
       if (truth[c] > dark * largest) off.relative = std::max(off.relative, error / truth[c]);
     }
   }
@@ -276,7 +276,7 @@ TEST_CASE("A disc is taken out with its edge, whatever the number of its texels"
     CHECK(*std::max_element(row, row + std::ptrdiff_t{3} * 512) <= 0.11F);
 }
 
-// Promise: beside lamps of 1e4 to 1e8, however large their texels are beside the narrowest lobe of a chain and wherever
+// Promise: near lamps of 1e4 to 1e8, however large their texels are against the narrowest lobe of a chain and wherever
 // they are, every mip is within the bounds at every texel.
 
 namespace {
@@ -286,10 +286,10 @@ struct Lamp {
   float light;
 };
 
-/// An image of 1 with lamps, and what its mips are in truth: 1 and the lamps' own lobes, integrated in double.
+/// An image of 1 with lamps, and the exact values of its mips: 1 and the lamps' lobes, integrated in double.
 class LampRoom {
  public:
-  /// `height` 0: a cubemap.
+  /// A `height` of 0 makes a cubemap.
   LampRoom(int width, int height, std::vector<Lamp> lamps)
       : width_(width),
         height_(height),
@@ -316,7 +316,7 @@ class LampRoom {
     return sum;
   }
 
-  /// Checks `count` texels of each mip, evenly spread, and as many that see a lamp at their horizon or in their lobe.
+  /// Checks `count` evenly spread texels of each mip, and as many that see a lamp at their horizon or in their lobe.
   void check(const PrefilterOptions& options, std::size_t count) const {
     const PrefilteredSpecular result = prefilter(options);
     for (std::size_t level = 0; level < result.mips.size(); ++level) {
@@ -366,7 +366,7 @@ class LampRoom {
   std::vector<float> pixels_;
 };
 
-/// Corners of faces and their edges, poles and the seam, and places inside.
+/// Returns texels at corners of faces, their edges, poles, the seam, and inside.
 std::vector<std::int64_t> lamp_places(int width, int height) {
   const std::int64_t w = width;
   if (height == 0) return {0, 2 * w * w + w / 2 * w + w / 2, (5 * w - 1) * w + w / 2, 5 * w * w + w / 3 * w + w / 5};
@@ -378,7 +378,7 @@ struct Shape {
   int height;
 };
 
-/// Each lamp at another place of each source.
+/// Puts each lamp at a different texel of each source.
 void check_lamps(const std::vector<Shape>& sources, const std::vector<int>& chains, const std::vector<float>& lights,
                  std::size_t count) {
   std::size_t number = 0;

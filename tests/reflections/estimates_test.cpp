@@ -1,5 +1,5 @@
 // Promise: a result's estimate is at least its true error in 99 % of random environments, and at most five times too
-// careful in the median. `welkin_perf --estimates` measures the same over as many environments as one likes.
+// large in the median. `welkin_perf --estimates` measures this over any number of environments.
 #include "reflections/prefilter_support.h"
 #include "support/catch.h"
 #include "support/estimate_trials.h"
@@ -11,15 +11,14 @@ namespace welkin::test {
 namespace {
 
 double largest_median(const std::string& kind) {
-  // Few of the levels that are picked have an error to speak of, and smooth images of odd sizes more than their
-  // share.
-  // A bound for any image: on faces of 4 to 16 texels with many bands it is loose.
+  // Few of the drawn mips have a notable error, and smooth images of odd sizes are overrepresented. The bound holds for
+  // any image: on faces of 4 to 16 texels with many bands it is loose.
   if (kind == "projection, midpoint rule, cubemap") return 8.0;
-  // Safe beside the lights of small cubemaps, whose mips meet a lamp's peak or miss it.
+  // Conservative near the lights of small cubemaps, whose mips hit a lamp's peak or miss it.
   if (kind == "prefilter, spectral, cubemap") return 8.0;
-  // 1e-5 for the flanks of lamps, where most have no error to speak of.
+  // 1e-5 is added for the flanks of lamps, where most mips have no notable error.
   if (kind == "prefilter, near_far, lat-long") return 8.0;
-  // What rings lose of far parts is counted as that of other mips is.
+  // Losses of rings in far parts are counted as those of other mips are.
   if (kind == "prefilter, near_far, cubemap") return 6.0;
   return 5.0;
 }
@@ -28,7 +27,7 @@ void check(const EstimateTrials& trials) {
   for (const auto& [kind, honesty] : trials) {
     CAPTURE(kind, honesty->count(), honesty->worst(), honesty->worst_case());
     const auto count = static_cast<double>(honesty->count());
-    CHECK((1.0 - honesty->share()) * count <= 1.001 + 0.02 * count);  // 1 % is wanted: of so few, one or two
+    CHECK((1.0 - honesty->share()) * count <= 1.001 + 0.02 * count);  // // 1 % is expected: of so few, one or two
     CHECK(honesty->worst() < 2.0);
     CHECK(honesty->median() <= largest_median(kind));
   }
@@ -43,13 +42,13 @@ TEST_CASE("True errors lie under their estimates", "[estimates][specular][projec
   check(trials);
 }
 
-// Small sources beside large chains, lamps of 1e4 to 1e8, half black maps, checkers, uniform maps, noise of sigma 4:
-// 100 environments.
+// Small sources with large chains, lamps of 1e4 to 1e8, half black maps, checkers, uniform maps, noise of sigma 4: 100
+// environments.
 TEST_CASE("True errors of what deceived estimates lie under them", "[estimates][specular][projection][truth]") {
   EstimateTrials trials;
   add_family_trials(120'000, 100, {0.12, 1.0}, false, trials);
   std::erase_if(trials, [](const auto& entry) {
-    return entry.first.find("level of a mip chain") != std::string::npos;  // nobody can know: docs/maths/reflections.md
+    return entry.first.find("level of a mip chain") != std::string::npos;  // unknowable: docs/maths/reflections.md
   });
   CHECK(trials.size() >= 8);
   for (const auto& [kind, honesty] : trials) {
@@ -69,7 +68,7 @@ TEST_CASE("True errors of narrow lobes lie under their estimates", "[estimates][
   check(trials);
 }
 
-// Panels, lamps, noise and all else, within 1e-3 and 1e-4. Lights at horizons were 10 to 300 times as wrong once.
+// Panels, lamps, noise and all else, within 1e-3 and 1e-4. Lights at horizons were once wrong by 10 to 300 times this.
 TEST_CASE("True errors of other lobes lie under their estimates, and few are refused", "[estimates][zonal][truth]") {
   EstimateTrials trials;
   CHECK(add_lobe_trials(130'000, 24, {}, trials) <= 2);
@@ -79,7 +78,7 @@ TEST_CASE("True errors of other lobes lie under their estimates, and few are ref
   }
 }
 
-// Seen: 7e-5, 3.5 times the estimate. Parts of lamps, which are there for texels whose horizon cuts them, served all
+// Observed: 7e-5, 3.5 times the estimate. Parts of lamps, meant for texels whose horizon cuts them, were used for all
 // texels of a block, and a block of the smallest mips reaches from a lamp's peak to its horizon.
 TEST_CASE("Lamps in the smallest mips are right at their peaks", "[estimates][specular][bright][truth]") {
   RandomEnvironments random(5);
@@ -112,7 +111,7 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
   }
 }
 
-// Weights of a table of rings are floats: what even light loses to them was above the estimate where lobes are narrow.
+// Weights of a ring table are floats: their rounding of uniform light exceeded the estimate where lobes are narrow.
 TEST_CASE("Estimates count what tables of rings round", "[estimates][specular][truth]") {
   for (const int size : {4, 8, 10, 16}) {
     const Cubemap even = grey_cubemap(size, 1.37F);

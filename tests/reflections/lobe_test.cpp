@@ -1,4 +1,4 @@
-// The lobe of GGX: closed forms, roughness of mips, and the double-precision truth that prefiltered mips are held to.
+// The GGX lobe: closed forms, roughness of mips, and the double-precision reference for prefiltered mips.
 #include "reflections/lobe.h"
 
 #include "math/elementary.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// As reflections.h writes it.
+/// The lobe as reflections.h writes it.
 double textbook_lobe(double c, double a) {
   if (c <= 0.0) return 0.0;
   const double h2 = (1.0 + c) / 2.0;
@@ -40,7 +40,7 @@ double integral(const Function& function) {
   return 2.0 * kPi * sum / (3.0 * steps);
 }
 
-/// Sum (2l + 1) / (4 pi) k_l / k_0 P_l(c): the lobe over its integral, if the bands are enough.
+/// Returns Sum (2l + 1) / (4 pi) k_l / k_0 P_l(c): the lobe over its integral, if there are enough bands.
 double legendre_sum(const std::vector<double>& spectrum, double c) {
   double before = 0.0;
   double here = 1.0;
@@ -103,7 +103,7 @@ TEST_CASE("Legendre sums of the spectrum give the lobe back at every angle", "[s
     for (const double c : {1.0, 0.9999, 0.99, 0.7, 0.2, -0.5, -1.0}) {
       CAPTURE(alpha, c);
       const double expected = reflections::lobe(c, alpha) / reflections::lobe_integral(alpha);
-      // The kink at the horizon leaves what falls like l^-3/2.
+      // The kink at the horizon leaves a remainder that falls like l^-3/2.
       CHECK(std::abs(legendre_sum(spectrum, c) - expected) < 1e-9 * peak + 1e-3 * alpha * alpha);
     }
   }
@@ -123,7 +123,7 @@ TEST_CASE("Our logarithm is the logarithm", "[tables]") {
   CHECK(math::logarithm(1.0) == 0.0);
 }
 
-// Promise: roughness of mips as the named engines have it, and the way back.
+// Promise: roughness of mips as the named engines have it, and the inverse.
 
 TEST_CASE("Schedules are those of their engines", "[specular][roughness]") {
   const auto linear = mip_roughness(RoughnessSchedule::linear, 10, 512);
@@ -140,7 +140,7 @@ TEST_CASE("Schedules are those of their engines", "[specular][roughness]") {
   }
 }
 
-// Each shader is asked where it looks for the roughness that we say a mip has: there.
+// Each shader looks up the roughness that we assign to a mip at that mip.
 
 TEST_CASE("Unity's shader finds each mip's roughness at that mip", "[specular][roughness]") {
   const auto unity = mip_roughness(RoughnessSchedule::unity, 9, 256);
@@ -199,7 +199,7 @@ TEST_CASE("What is no schedule is refused", "[specular][roughness]") {
   CHECK(std::string(name(RoughnessSchedule::filament)) == "filament");
 }
 
-// Promise: the truth is the integral over texels as areas: against closed forms, dense integration, at any size.
+// Promise: the reference is the integral over texels as areas: against closed forms, dense integration, at any size.
 
 namespace {
 
@@ -264,7 +264,7 @@ TEST_CASE("The truth of noise is dense integration's", "[specular][truth]") {
 }
 
 TEST_CASE("The truth of a tiny map is that of its texels cut into parts, to 1e-6", "[specular][truth]") {
-  // Each texel alone shines: what the horizon cuts of it, or leaves of it, is all that there is.
+  // A single texel shines: the mip holds only the part that the horizon leaves of it.
   const auto directions = some_directions(40);
   constexpr int parts = 3;
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {5, 4}}) {
@@ -289,7 +289,7 @@ TEST_CASE("The truth of a tiny map is that of its texels cut into parts, to 1e-6
 }
 
 TEST_CASE("One small light gives the closed form of the lobe", "[specular][truth]") {
-  // The light's own size counts for (width of a texel)^2 / 12 times the lobe's bend: 4e-5 of what is near the horizon.
+  // The light's size matters by (width of a texel)^2 / 12 times the lobe's curvature: 4e-5 of values near the horizon.
   constexpr int kWidth = 2048, kHeight = 1024;
   TestLatLong image = make_lat_long(Content::uniform, kWidth, kHeight, 0);
   std::fill(image.pixels.begin(), image.pixels.end(), 0.0F);

@@ -1,5 +1,5 @@
-// Promise: what the library says of shaders that interpolate between mips is what such a shader shows, and fitted lobes
-// bring it nearer to the truth.
+// Promise: the library's predictions for shaders that interpolate between mips match what such a shader shows, and
+// fitted lobes bring it nearer to the reference.
 #include "reflections/lookups.h"
 
 #include "image/geometry.h"
@@ -20,10 +20,10 @@ constexpr RoughnessSchedule kSchedules[] = {RoughnessSchedule::linear, Roughness
                                             RoughnessSchedule::babylon, RoughnessSchedule::unity,
                                             RoughnessSchedule::unreal};
 
-/// Centres of texels of a cubemap that share no lines with a chain's.
+/// Size of a cubemap whose texels' centres share no lines with those of a chain.
 constexpr int kPlaces = 13;
 
-/// Squared error of lookups between two mips, over that of the truth, which is the integral at kPlaces.
+/// Returns the squared error of lookups between two mips, relative to the reference integral at kPlaces' texels.
 double square_between(const LatLongView& source, const PrefilteredSpecular& chain, const reflections::LookupFormula& by,
                       int mip) {
   const auto k = static_cast<std::size_t>(mip);
@@ -51,7 +51,7 @@ double square_between(const LatLongView& source, const PrefilteredSpecular& chai
   return sum;
 }
 
-/// Root mean square over all roughnesses.
+/// Returns the root mean square error over all roughnesses.
 double error_of_lookups(const LatLongView& source, const PrefilterOptions& options, RoughnessSchedule schedule) {
   const PrefilteredSpecular chain = prefilter_specular(source, options);
   const auto mips = static_cast<int>(chain.mips.size());
@@ -70,7 +70,7 @@ PrefilterOptions fitted(RoughnessSchedule schedule, int mips, int size) {
           .lobe_roughness = fitted_mip_roughness(schedule, mips, size)};
 }
 
-/// The predicted error of lookups in a chain of a typical image, root mean square over all roughnesses.
+/// Returns the predicted error of lookups in a chain of a typical image, root mean square over all roughnesses.
 double typical_error(RoughnessSchedule schedule, int size, const std::vector<double>& lobes) {
   std::vector<float> energies{9.0F};
   for (int l = 1; l < 512; ++l) energies.push_back(static_cast<float>((2.0 * l + 1.0) / std::pow(l, 2.5)));
@@ -142,7 +142,7 @@ TEST_CASE("fitted lobes: rising from a mirror, near those of the schedule", "[sp
         CHECK(lobes.front() == 0.0);
         CHECK(lobes.back() <= 1.0);
         CHECK(std::is_sorted(lobes.begin(), lobes.end()));
-        // Texels that are wide for a lobe alias what it leaves, so none may become narrow without end.
+        // Texels that are wide for a lobe alias its remainder, so none may become narrow without limit.
         for (std::size_t mip = 1; mip < lobes.size(); ++mip) CHECK(lobes[mip] > 0.5 * nominal[mip]);
         CHECK(typical_error(schedule, size, lobes) <= 1.0001 * typical_error(schedule, size, nominal));
       }

@@ -17,11 +17,11 @@ namespace {
 
 const std::vector<double> kNarrow{0.002, 0.01, 0.02, 0.048, 0.0548};
 
-/// The worst relative error allowed, and of the rms: those that the options ask for by default.
+/// The worst relative error and relative rms allowed: the options' defaults.
 constexpr double kMaximum = 1e-2;
 constexpr double kRms = 1e-3;
 
-/// Every `step`-th texel of a mip of each roughness.
+/// Checks every `step`-th texel of a mip of each roughness.
 void check_bounds(const EnvironmentView& view, const std::vector<double>& roughness, int size, std::size_t step) {
   for (const double rough : roughness) {
     CAPTURE(rough, size);
@@ -48,13 +48,13 @@ LatLongImage blocks(int width, int edge) {
   return image;
 }
 
-/// Texels of a mip by their numbers, and the integrals there.
+/// Texels of a mip by index, and the integrals there.
 struct Truths {
   std::vector<std::size_t> texels;
   std::vector<glm::dvec3> values;
 };
 
-/// Of those that `wanted(texel, direction)` picks.
+/// Returns the integrals at the texels for which `wanted(texel, direction)` is true.
 template <class Wanted>
 Truths truths_where(const EnvironmentView& view, double roughness, int size, const Wanted& wanted) {
   Truths truths;
@@ -69,7 +69,7 @@ Truths truths_where(const EnvironmentView& view, double roughness, int size, con
   return truths;
 }
 
-/// What a mip's texels beside the poles err, over the whole mip's root mean square: the largest.
+/// Returns the largest error of a mip's texels next to the poles, over the whole mip's root mean square.
 double error_beside_poles(const LatLongView& view, double roughness, int size) {
   const PrefilteredSpecular result = prefilter_specular(view, {.size = size, .mips = 1, .roughness = {roughness}});
   const int middle = size / 2;
@@ -87,7 +87,7 @@ double error_beside_poles(const LatLongView& view, double roughness, int size) {
   return worst / std::sqrt(3.0 * squares / static_cast<double>(values.size()));
 }
 
-/// A studio: panels of 16 x 20 texels, a million times as bright as what is around them.
+/// A studio: panels of 16 x 20 texels, a million times as bright as their surroundings.
 LatLongImage studio(int width) {
   LatLongImage image{width, width / 2, {}};
   for (int row = 0; row < image.height; ++row) {
@@ -100,7 +100,7 @@ LatLongImage studio(int width) {
   return image;
 }
 
-/// A lamp that is the row about the upper pole.
+/// A lamp that fills the row at the upper pole.
 LatLongImage lit_pole(int width) {
   LatLongImage image = grey_lat_long(width, width / 2, 1.0F);
   std::fill_n(image.pixels.begin(), 3 * width, 1e5F);
@@ -111,7 +111,7 @@ TestCubemap noisy_cube(int size) { return make_cubemap(Content::random, size, 3,
 
 }  // namespace
 
-// Rounding made the pole a line that is bent without limit: widths 34 and 36 were off by 1.7e-4 and 1.1e-4.
+// Rounding made the pole a line of unbounded curvature: widths 34 and 36 were off by 1.7e-4 and 1.1e-4.
 TEST_CASE("Narrow lobes beside a pole see how columns narrow", "[narrow][specular][estimates][slow]") {
   for (const int width : {44, 34, 36, 80}) {
     const LatLongImage image = blocks(width, 1);
@@ -128,7 +128,7 @@ TEST_CASE("Narrow lobes keep the bounds", "[specular][prefilter][narrow][truth]"
   check_bounds(make_lat_long(Content::random, 1024, 512, 3).view(), {0.02, 0.0548}, 128, 4001);
 }
 
-// The pole's texels were parallelograms to texels of the mip that saw them from three rows away: 2 % too bright.
+// The pole's texels were treated as parallelograms by mip texels that saw them from three rows away: 2 % too bright.
 TEST_CASE("Narrow lobes see a pole's triangles from some rows away", "[specular][prefilter][narrow]") {
   const LatLongImage image = lit_pole(256);
   const PrefilteredSpecular result = prefilter_specular(image.view(), {.size = 16, .mips = 1, .roughness = {0.05}});
@@ -139,7 +139,7 @@ TEST_CASE("Narrow lobes see a pole's triangles from some rows away", "[specular]
   CHECK(static_cast<double>(result.cubemap.face(0, 0)[3 * beside]) == Approx(truth.x).epsilon(2e-4));
 }
 
-// Lamps on wide texels are points to the far part; too few of them erred by 6.6e-5.
+// Lamps on wide texels are points in the far part; too few points gave errors of 6.6e-5.
 TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow lobes",
           "[specular][narrow][lamps][slow]") {
   const auto floats = std::size_t{3} * 7 * 7;
@@ -148,7 +148,7 @@ TEST_CASE("Lamps on wide texels have points enough for the far parts of narrow l
   check_bounds(image.view(), {0.03, 0.052}, 16, 5);
 }
 
-// Beside a lamp in the dark each weight shows: those that the near part ends within were 1.3 % too low.
+// Near a lamp in the dark each weight shows: those within which the near part ends were 1.3 % too low.
 TEST_CASE("Narrow lobes see a lone lamp at its weight from all texels about it",
           "[specular][prefilter][narrow][truth]") {
   constexpr int size = 64;
@@ -199,7 +199,7 @@ TEST_CASE("Narrow lobes keep the bounds near the poles and where texels are not 
 TEST_CASE("Narrow lobes keep the bounds in small and larger mips", "[specular][prefilter][narrow][truth]") {
   check_bounds(make_lat_long(Content::random, 64, 32, 3).view(), {0.005, 0.04}, 4, 1);
   check_bounds(make_lat_long(Content::random, 64, 32, 3).view(), {0.03}, 256, 10007);
-  // columns that do not divide by four have no quarter turns, odd sizes texels that are their own images
+  // columns that do not divide by four have no 90-degree symmetry, and odd sizes have texels that are their own images
   check_bounds(make_lat_long(Content::random, 66, 33, 3).view(), {0.03}, 9, 7);
   check_bounds(make_lat_long(Content::random, 64, 33, 3).view(), {0.03}, 9, 5);
 }
@@ -215,10 +215,10 @@ TEST_CASE("A lobe's far part and near part are the lobe", "[specular][prefilter]
   for (const double alpha : {1e-3, 3e-3}) {
     const std::vector<double> whole = reflections::lobe_spectrum(alpha, 64);
     const double q = alpha * alpha / (1.0 - alpha * alpha);
-    // where the near part ends at the direction itself all is far
+    // where the near part ends at the direction itself everything is far
     const std::vector<double> all = reflections::far_spectrum(alpha, q * (1.0 + 1e-9), 64);
     for (std::size_t l = 0; l < whole.size(); ++l) CHECK(all[l] == Approx(whole[l]).epsilon(1e-8));
-    // beyond twice its width half of the lobe is left, and what the polynomial has inside
+    // beyond twice its width half of the lobe is left, and the polynomial's part inside
     const double end = 2.0 * q;
     double inside = 0.0;
     for (int k = 0; k < 1000; ++k)
@@ -247,7 +247,7 @@ TEST_CASE("Across the bound between the methods a mip changes by no more than bo
   CHECK(error.maximum < 2.0 * kMaximum);
 }
 
-// Far parts of chains of many mips are mixed from a few; what those lose must not be lost.
+// Far parts of chains of many mips are mixed from a few; the mixing must not lose light.
 TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds",
           "[specular][prefilter][narrow][truth]") {
   const std::vector<double> many{0.005, 0.011, 0.017, 0.023, 0.029, 0.035, 0.041, 0.047, 0.0545};
@@ -275,8 +275,8 @@ TEST_CASE("Every mip of a chain of narrow lobes keeps even light, and the bounds
   }
 }
 
-// A lamp that only one of few texels sees, where windows end, is off by 0.9 % (below the largest error that is
-// allowed), and so is the mip: the bound of the mean is promised from 16 texels on.
+// A lamp that only one of few texels sees, where windows end, is off by 0.9 % (below the largest allowed error), and so
+// is the mip: the bound of the mean is promised from 16 texels on.
 TEST_CASE("Small mips beside a lamp in the dark keep the bounds, and say what they err by",
           "[specular][prefilter][narrow][truth]") {
   LatLongImage image{257, 129, std::vector<float>(std::size_t{3} * 257 * 129, 1.0F)};
@@ -296,14 +296,14 @@ TEST_CASE("Small mips beside a lamp in the dark keep the bounds, and say what th
 
 TEST_CASE("A narrow mip that does not keep its bound by its estimate is integrated, or refused",
           "[specular][prefilter][narrow]") {
-  // even integrals by harmonics of floats err by more than that
+  // even integrals by harmonics of floats have larger errors than that
   const TestCubemap noisy = noisy_cube(8);
   const PrefilterOptions options{.size = 4, .mips = 1, .roughness = {0.05}, .rms_error = 4e-5, .maximum_error = 1e-3};
   CHECK(prefilter_specular(noisy.view(), options).mips.front().method == MipMethod::near_far);
   PrefilterOptions tight = options;
   tight.rms_error = 1e-6;
   CHECK_THROWS_AS(prefilter_specular(noisy.view(), tight), Error);
-  // a mip that misses the lamp may be off by much of what little it sees
+  // a mip that misses the lamp may have a large relative error in what little light it sees
   tight.rms_error = 2e-5;
   const TestLatLong sun = make_lat_long(Content::one_texel_sun, 64, 32, 3);
   CHECK(prefilter_specular(sun.view(), tight).mips.front().method == MipMethod::reference);

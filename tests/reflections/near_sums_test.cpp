@@ -1,4 +1,4 @@
-// Lobes split in sums over texels near by and harmonics of what lies farther: against the truth, and by itself.
+// Lobes split in sums over near texels and harmonics of farther ones: against the reference and for consistency.
 #include "reflections/near_sums.h"
 
 #include "image/cube_symmetry.h"
@@ -21,7 +21,7 @@ namespace {
 
 constexpr NearSplit kSplit{.face = 16, .size = 8, .alpha = 0.07, .reach = 0.4, .bands = 24};
 
-/// The near sums of packed faces.
+/// Returns the near sums of packed faces.
 std::vector<float> near_sums(const NearSplit& split, const std::vector<float>& faces) {
   const auto face_floats = std::size_t{3} * static_cast<std::size_t>(split.size * split.size);
   std::vector<float> sums(6 * face_floats, 0.0F);
@@ -39,13 +39,13 @@ class NearPart {
  public:
   NearPart(const NearSplit& split, const glm::dvec3& direction) : split_(split), direction_(direction) {
     const double q = split.alpha * split.alpha / (1.0 - split.alpha * split.alpha);
-    // of the whole lobe: Int_0^1/2 (1 - 2 s) / (q + s)^2 ds
+    // the whole lobe's: Int_0^1/2 (1 - 2 s) / (q + s)^2 ds
     const double whole = (1.0 + 2.0 * q) * (1.0 / q - 1.0 / (q + 0.5)) - 2.0 * std::log((q + 0.5) / q);
     scale_ = 1.0 / (4.0 * std::numbers::pi * whole * split.end() * split.end());
     offset_ = q / split.end();
   }
 
-  /// Integrates over columns and rows of a part of the source, halved until they are small beside the lobe or their
+  /// Integrates over columns and rows of a part of the source, halved until they are small against the lobe or their
   /// distance.
   [[nodiscard]] glm::dvec2 over(int part, double column, double row, double width) const {
     const glm::dvec3 middle = at(part, column + 0.5 * width, row + 0.5 * width).direction;
@@ -158,7 +158,7 @@ TEST_CASE("weights of near sums are the integrals over texels", "[near][narrow][
   CHECK(worst_sum < 2e-4);
 }
 
-// Of odd sizes, which have a texel in the middle of an edge, too few directions were counted.
+// On odd sizes, which have a texel in the middle of an edge, too few directions were counted.
 TEST_CASE("near weights: directions are as many as are counted for, of odd sizes too", "[prefilter][near]") {
   for (const int rows : {0, 64}) {
     for (int size = 1; size <= 33; ++size) {
@@ -172,7 +172,7 @@ TEST_CASE("near weights: directions are as many as are counted for, of odd sizes
   }
 }
 
-// Two images have the texels on the diagonals of a face.
+// Texels on the diagonals of a face have two images.
 TEST_CASE("near sums of a turned image are turned near sums, to the last bit", "[prefilter][near]") {
   const auto rotated = [](const std::vector<float>& faces, int size) {
     std::vector<float> result(faces.size());

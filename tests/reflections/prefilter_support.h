@@ -1,4 +1,4 @@
-// What the prefilter's tests share.
+// Helpers shared by the prefilter's tests.
 #pragma once
 
 #include "support/catch.h"
@@ -10,24 +10,24 @@
 
 namespace welkin::test {
 
-/// Every `step`-th of them all, from the first on.
+/// Returns every `step`-th element of `all`, from the first on.
 inline std::vector<glm::dvec3> every(std::size_t step, const std::vector<glm::dvec3>& all) {
   std::vector<glm::dvec3> some;
   for (std::size_t k = 0; k < all.size(); k += step) some.push_back(all[k]);
   return some;
 }
 
-/// The step that takes some `probes` of a level's texels.
+/// Returns the step that selects about `probes` of a mip's texels.
 inline std::size_t step_for(int size, std::size_t probes) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(6 * size * size) / probes);
 }
 
 struct LevelError {
-  double rms = 0.0;      ///< relative to the rms of the truth
+  double rms = 0.0;      ///< relative to the rms of the reference
   double maximum = 0.0;  ///< of |x - t| / t
 };
 
-/// Of every `step`-th texel against `truth` there.
+/// Returns the error of every `step`-th texel against `truth` there.
 inline LevelError level_error(const Cubemap& chain, int level, const std::vector<glm::dvec3>& truth,
                               std::size_t step = 1) {
   const float* const rgb = chain.face(level, 0);
@@ -47,7 +47,7 @@ inline LevelError level_error(const Cubemap& chain, int level, const std::vector
   return error;
 }
 
-/// The largest relative difference of a level's values from the texel that is everywhere; infinite beside a NaN.
+/// Returns the largest relative difference of a mip's values from a uniform texel; infinite if there is a NaN.
 inline double largest_deviation(const Cubemap& chain, int level, const std::vector<float>& texel) {
   const auto values = level_values(chain, level);
   double worst = 0.0;
@@ -58,7 +58,7 @@ inline double largest_deviation(const Cubemap& chain, int level, const std::vect
   return worst;
 }
 
-/// Of every `step`-th texel of a mip against GGX's integral in double.
+/// Returns the error of every `step`-th texel of a mip against GGX's integral in double.
 inline LevelError error_of_mip(const EnvironmentView& view, const PrefilteredSpecular& result, std::size_t level,
                                std::size_t step = 1) {
   const MipRecord& mip = result.mips[level];

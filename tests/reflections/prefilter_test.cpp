@@ -1,4 +1,4 @@
-// Prefiltered cubemaps: what the calls promise. How near each mip comes to the truth: prefilter_truth_test.cpp.
+// Prefiltered cubemaps: the promises of the calls. prefilter_truth_test.cpp measures the error of each mip.
 #include "reflections/prefilter.h"
 
 #include "reflections/prefilter_plan.h"
@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-// Promise: records of what was done, and errors that say what would do.
+// Promise: records of what was done, and errors that state what would work.
 
 TEST_CASE("Records say how each mip was made", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::one_texel_sun, 256, 128, 3);
@@ -80,7 +80,7 @@ TEST_CASE("What the prefilter cannot do is refused with a word", "[specular][pre
   CHECK(rejected.says("row 2, column 5"));
 }
 
-// Promise: any size of source and result, any chain, any kind of image; black stays black, what is uniform stays so.
+// Promise: any size of source and result, any chain, any kind of image; black stays black, uniform light uniform.
 
 TEST_CASE("A uniform environment keeps its value in every mip, whatever the sizes", "[specular][prefilter]") {
   for (const int size : {1, 2, 7, 64, 257}) {

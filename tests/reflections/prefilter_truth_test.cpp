@@ -1,5 +1,5 @@
-// Prefiltered cubemaps: each mip is the integral over GGX's lobe, against the truth, closed forms, and what any such
-// blur keeps.
+// Prefiltered cubemaps: each mip is the integral over GGX's lobe, checked against the reference, closed forms, and the
+// invariants of any such blur.
 #include "image/geometry.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter_support.h"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kAllTexels = 1'000'000;
 
-/// Errors of all mips that are blurred against the truth, at some `probes` texels each.
+/// Checks all blurred mips against the reference, at about `probes` texels each.
 void check_against_truth(const EnvironmentView& view, const PrefilterOptions& options, std::size_t probes = kAllTexels,
                          double rms = 1e-3, double maximum = 1e-2) {
   const PrefilteredSpecular result = prefilter_specular(view, options);
@@ -122,7 +122,7 @@ TEST_CASE("The mean stays on every mip", "[specular][prefilter]") {
   const TestLatLong source = make_lat_long(Content::high_range, 256, 128, 6);
   const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 64});
   const glm::dvec3 mean = total_radiance_of(LatLongImage{256, 128, source.pixels}) / (4.0 * std::numbers::pi);
-  // Centres stand for texels here, so the smallest mips, of few texels, are left out.
+  // Here texels are represented by their centres, so the smallest mips, of few texels, are left out.
   for (const MipRecord& mip : result.mips) {
     if (mip.size < 8) continue;
     CAPTURE(mip.size, name(mip.method));
@@ -144,7 +144,7 @@ TEST_CASE("Loose bounds keep uniform light, its mean and its sign", "[specular][
       const TestCubemap source = make_cubemap(content, 128, 3, 6);
       const PrefilteredSpecular result = prefilter_specular(source.view(), {.size = 128, .rms_error = bound});
       const glm::dvec3 mean = result.mips.front().mean;
-      // centres of texels stand for them, also where a lamp of one texel is blurred to two
+      // centres represent the texels, also where a lamp of one texel is blurred to two
       const double most = content == Content::one_texel_sun || content == Content::sun_disc ? 1.5e-3 : 1e-3;
       for (const MipRecord& mip : result.mips) {
         const int level = static_cast<int>(&mip - result.mips.data());
@@ -183,7 +183,7 @@ TEST_CASE("A quarter turn of the environment permutes the faces", "[specular][pr
   const glm::dmat3 rotation = rotation_about_y(90.0);
   const PrefilterOptions options{.size = 32, .roughness = {0.3, 0.6}};
   const auto before = prefilter_specular(source.view(), options);
-  // No texel's bits change by these turns.
+  // These rotations change no texel's bits.
   const auto after = prefilter_specular(to_lat_long(source.view(), 128, 64, rotation).view(), options);
   for (int level = 0; level < 2; ++level) {
     const Cubemap wanted = to_cubemap(before.cubemap.view(level), before.cubemap.level_size(level), rotation);
@@ -220,7 +220,7 @@ TEST_CASE("Real environments are blurred to within the default bounds", "[specul
 // Promise: the bounds hold where they are hardest: suns at poles and on horizons, and cubemaps of few texels.
 
 TEST_CASE("A bright texel that the horizon cuts counts by its part above", "[specular][prefilter][truth]") {
-  // Seen from the ring around it, the sun gives as much as the sky though hardly anything of it is above.
+  // Seen from the ring around it, the sun gives as much as the sky though hardly any of it is above the horizon.
   for (const auto& [column, row] : {std::pair{32, 63}, {32, 38}}) {
     CAPTURE(column, row);
     check_against_truth(lit_sky(256, {column, row, 1e5F, 0.2F}).view(), {.size = 8, .roughness = {0.7, 1.0}});
@@ -247,7 +247,7 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
   for (const int size : {32, 128}) {
     const auto edge = static_cast<std::size_t>(size);
     const std::size_t face = edge * edge;
-    // In a face, beside a pole, in a corner.
+    // In a face, next to a pole, in a corner.
     for (const std::size_t texel : some_of(
              2, {5 * edge + 7, 2 * face + edge / 2 * edge + edge / 2 - 1, 4 * face + (edge - 1) * edge + edge - 1})) {
       for (const float light : {1e4F, 1e7F}) {
@@ -261,11 +261,11 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
   }
 }
 
-// Promise: the bounds hold beside lights of any extent, however bright.
+// Promise: the bounds hold near lights of any extent and brightness.
 
 TEST_CASE("The dark beside a sun of any size is blurred to within the default bounds",
           "[specular][prefilter][truth][bright]") {
-  for (const double radius : {3.0, 13.0}) {  // 29 and some 530 texels
+  for (const double radius : {3.0, 13.0}) {  // // 29 and about 530 texels
     for (const int row : some_of(2, {radius < 5.0 ? 40 : 6, radius < 5.0 ? 6 : 40})) {
       CAPTURE(radius, row);
       const LatLongImage source = lit_sky(256, {30, row, 1e5F, 0.1F, radius});
@@ -274,7 +274,7 @@ TEST_CASE("The dark beside a sun of any size is blurred to within the default bo
   }
 }
 
-// Such edges lie on the rings' own: taking back more than was blurred there cost 8e-5.
+// Such edges coincide with the rings: subtracting more than was blurred there cost 8e-5.
 TEST_CASE("A sky over a ground on a cubemap keeps its horizon", "[specular][prefilter][truth]") {
   for (const int size : {4, 8, 9}) {
     // A ground, and a wall that ends at meridians.

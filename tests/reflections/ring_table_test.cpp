@@ -105,7 +105,7 @@ TEST_CASE("Tables of rings are kept, and made by any number of threads alike", "
   std::vector<float> others(rings.pixels.size());
   run_with_threads(1, [&] { RingTable({16, 256}).fill(rows_of(cube.view()), others.data(), {}); });
   CHECK(others == rings.pixels);
-  // too large to be kept: made band after band
+  // too large to be kept: built band by band
   const RingTable unkept({16, 256}, {}, 0);
   unkept.fill(rows_of(cube.view()), others.data(), {});
   CHECK(others == rings.pixels);

@@ -54,7 +54,7 @@ TEST_CASE("Chains from small cubemaps are within the default bounds", "[specular
   check_chain(sky_over_dark_ground(44, 1e-3F).view(), {.size = 44}, 31);
 }
 
-// Faces with half as many texels: uniform light, places of light, and instruction sets.
+// Faces with half as many texels: uniform light, positions of light, and instruction sets.
 
 namespace {
 
@@ -80,7 +80,7 @@ TEST_CASE("uniform light stays uniform on halved faces", "[prefilter][halved]") 
   }
 }
 
-// A mean over 2 x 2 texels moves it by a quarter of a large one.
+// A mean over 2 x 2 texels moves the light by a quarter of a large texel.
 TEST_CASE("a texel's light stays where it was on halved faces", "[prefilter][halved]") {
   constexpr int size = 64;
   constexpr int half = size / 2;
@@ -91,7 +91,7 @@ TEST_CASE("a texel's light stays where it was on halved faces", "[prefilter][hal
   std::vector<float> faces = black(size);
   faces[3 * static_cast<std::size_t>((2 * size + row) * size + column)] = 1.0F;
   const auto halved = reflections::halved_faces({rows_of(faces, size)}, half, {}).owned;
-  glm::dvec3 moments(0.0);  // light, and light times its place in fine texels
+  glm::dvec3 moments(0.0);  // // light, and light times its position in fine texels
   for (int r = 0; r < half; ++r) {
     for (int c = 0; c < half; ++c) {
       const double light = coarse->at(r, c) * static_cast<double>(halved.data()[3 * ((2 * half + r) * half + c)]);
@@ -99,7 +99,7 @@ TEST_CASE("a texel's light stays where it was on halved faces", "[prefilter][hal
     }
   }
   CAPTURE(row, column);
-  // beside edges the share of what lies beyond depends on how fast solid angles change there
+  // next to edges the fraction that lies beyond depends on how fast solid angles change there
   const auto beside_edge = [](int at) { return std::min(at, size - 1 - at) < 11; };
   const double tolerance = beside_edge(row) || beside_edge(column) ? 0.04 : 2e-3;
   CHECK(moments.x == Approx(fine->at(row, column)).epsilon(tolerance));
@@ -124,7 +124,7 @@ TEST_CASE("halved faces have the same bits with every instruction set", "[prefil
   force_instruction_set(before);
 }
 
-// How many bands and rings the prefilter takes: as few as the bounds allow, more for images that need them.
+// The prefilter's numbers of bands and rings: as few as the bounds allow, more for images that need them.
 
 namespace {
 
@@ -154,7 +154,7 @@ TEST_CASE("Each looser bound takes fewer bands and rings", "[specular][bands]") 
     CHECK(own < bands);
     CHECK(reflections::rings_within(kAlpha, bounds) <= rings);
     const int wide = reflections::bands_within(1.0, bounds);
-    CHECK((wide < reflections::bands_within(1.0, bounds.tightened(1)) || wide == 24));  // as few as there are
+    CHECK((wide < reflections::bands_within(1.0, bounds.tightened(1)) || wide == 24));  // // the minimum
     bands = own;
     rings = reflections::rings_within(kAlpha, bounds);
   }
@@ -195,7 +195,7 @@ TEST_CASE("A bound of 1e-4 begins with hardly more bands than one of 1e-3", "[sp
     CHECK(first(1e-3).bands <= (size > 64 ? 192 : 64));
     CHECK(first(1e-4).rows_for_cubemap() <= first(1e-3).rows_for_cubemap() * 9 / 4);
     CHECK(!first(1e-3).near_mips.empty());
-    // dark parts then take more
+    // dark parts then need more
     CHECK(reflections::plan_prefilter(PrefilterOptions{.size = size}).at_step(1, {true, size, size}).bands >=
           reflections::bands_for_dark({}));
   }
@@ -207,7 +207,7 @@ TEST_CASE("A bound of 1e-4 is kept by one transform of an even image", "[specula
   const PrefilteredSpecular result = prefilter_specular(even.view(), {.size = 64, .mips = 3, .rms_error = 1.001e-4});
   const auto again = [](const PassRecord& pass) { return pass.name == "energies"; };
   CHECK(std::ranges::none_of(result.pixels.passes, again));
-  for (const MipRecord& mip : result.mips) CHECK(mip.bands <= 80);  // 240 were taken
+  for (const MipRecord& mip : result.mips) CHECK(mip.bands <= 80);  // // 240 were used
 }
 
 TEST_CASE("An image takes its bands at once where the transform has enough", "[specular][bands]") {
@@ -244,7 +244,7 @@ TEST_CASE("Bands that a small cubemap's lobe will take are foreseen within reaso
   CHECK(most < 2 * result.mips.front().bands);
 }
 
-// A chain's other mips decide too, so that a mip has the same bits with and without them.
+// A chain's other mips decide too, so that a mip has identical bits with and without them.
 TEST_CASE("Mips that are left out do not change the bands of the others", "[specular][bands][bits]") {
   const Cubemap fine = stripes(64, 78.0);
   const reflections::PrefilterPlan plan =
@@ -291,12 +291,12 @@ TEST_CASE("No estimate is above the bound that was asked for", "[specular][bands
   CHECK(thrown.says("would err by an estimated"));
 }
 
-// Texels of a coarse mip may miss a lamp whose lobe is narrower than they are: what is left is dark beside the lamp's
-// own errors.
+// Texels of a coarse mip may miss a lamp whose lobe is narrower than they are: the rest is dark against the lamp's
+// errors.
 TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands][truth]") {
   int integrated = 0;
   for (std::size_t texel = 0; texel < 5766; texel += 61) {
-    TestCubemap source = make_cubemap(Content::random, 31, 3, 17);  // near sums take an even size
+    TestCubemap source = make_cubemap(Content::random, 31, 3, 17);  // // near sums need an even size
     for (float& value : source.pixels) value = static_cast<float>(std::pow(static_cast<double>(value), 12.0));
     for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] *= 1e6F;
     PrefilterOptions options{.size = 8, .mips = 1, .roughness = {0.134}};

@@ -1,4 +1,4 @@
-// Chains by kernels: each mip is the integral over its kernel, against the truth and closed forms.
+// Chains by kernels: each mip is the integral over its kernel, against the reference and closed forms.
 #include "image/geometry.h"
 #include "reflections/lobe.h"
 #include "reflections/prefilter.h"
@@ -20,7 +20,7 @@ std::vector<ZonalLobe> named_kernels() {
           ZonalLobe::lambert(),      ZonalLobe::phong(20.0),   ZonalLobe::blinn(64.0)};
 }
 
-/// Errors of all mips against the truth, at some `probes` texels each.
+/// Checks all mips against the reference, at about `probes` texels each.
 void check_kernels(const EnvironmentView& view, const std::vector<ZonalLobe>& kernels, int size, std::size_t probes) {
   const PrefilteredSpecular result = prefilter_by_lobes(view, {.size = size, .lobes = kernels});
   for (std::size_t level = 0; level < result.mips.size(); ++level) {
@@ -120,7 +120,7 @@ TEST_CASE("A spectrum that ends far above 0 is integrated to 1e-6, and its mips 
     std::vector<double> factors(16);
     for (std::size_t l = 0; l < factors.size(); ++l) factors[l] = std::exp(-0.005 * static_cast<double>(l * (l + 1)));
     const ZonalLobe kernel = ZonalLobe::from_spectrum(factors);
-    // across the axis of a gradient every kernel leaves its mean
+    // perpendicular to the axis of a gradient every kernel leaves its mean
     CHECK(std::abs(reference_by_lobe(sky.view(), kernel, {{1.0, 0.0, 0.0}}).front().x - 1.0) < 1e-6);
     const PrefilteredSpecular result = prefilter_by_lobes(sky.view(), {.size = 8, .lobes = {kernel}});
     const LevelError error = level_error(result.cubemap, 0, reference_by_lobe(sky.view(), kernel, texel_centres(8)));
@@ -225,7 +225,7 @@ TEST_CASE("Kernels take bands by the energy of the image", "[zonal]") {
     const PrefilteredSpecular result =
         prefilter_by_lobes(source.view(), {.size = 8, .lobes = {ZonalLobe::charlie(roughness)}});
     CHECK(*result.mips[0].error_estimate < 1e-3);
-    // the first look at the energies foresees what the second one needs
+    // the first estimate of the energies predicts what the second one needs
     CHECK(std::ranges::count(result.pixels.passes, std::string("analyse"), &PassRecord::name) <= 2);
     return result.mips[0].bands;
   };
@@ -297,11 +297,11 @@ TEST_CASE("The reference method is the truth at every texel", "[zonal]") {
   CHECK(error.maximum < 1e-6);
 }
 
-// What holds for GGX holds for the others.
+// Properties that hold for GGX hold for the other kernels.
 
 namespace {
 
-/// GGX of the split sum, as a function that the library knows nothing of.
+/// GGX of the split sum, as a function that the library has no closed form for.
 ZonalLobe ggx_by_function(double alpha) {
   return ZonalLobe::from_function([alpha](double cosine) { return reflections::lobe(cosine, alpha); });
 }
@@ -399,7 +399,7 @@ TEST_CASE("The transform that a cubemap needs for sheen is foreseen by the rings
   const int wanted = reflections::choose_bands_by_energy(plan, source);
   CAPTURE(first, wanted);
   CHECK(wanted > first);
-  CHECK(wanted < 2 * first);  // by the rings of the first transform none would do
+  CHECK(wanted < 2 * first);  // // the rings of the first transform would give no such bound
 }
 
 }  // namespace welkin::test

@@ -1,4 +1,4 @@
-// BC6H blocks with the texels that another decoder makes of them.
+// BC6H blocks and the texels that another decoder reads from them.
 #pragma once
 
 #include "image/bc6h.h"
@@ -13,8 +13,8 @@ struct RecordedBlock {
   std::array<std::uint16_t, 3 * image::kBlockTexels> halves;
 };
 
-/// tests/data/bc6h_blocks.txt: random blocks of every mode, the reserved ones too, as OpenImageIO 2.4.7 reads them from
-/// a DDS file. A line is U or S (unsigned, signed), the block's bytes and its halves.
+/// tests/data/bc6h_blocks.txt: random blocks of every mode, reserved ones included, as OpenImageIO 2.4.7 reads them
+/// from a DDS file. Each line holds U or S (unsigned, signed), the block's bytes and its half floats.
 inline std::vector<RecordedBlock> recorded_blocks() {
   std::ifstream file(WELKIN_TEST_DATA "/bc6h_blocks.txt");
   std::vector<RecordedBlock> blocks;

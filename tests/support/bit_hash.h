@@ -1,4 +1,4 @@
-// A 64-bit hash of the bits of results: FNV-1a (Fowler, Noll and Vo), a byte at a time, lowest byte first.
+// A 64-bit hash of the bits of results: FNV-1a (Fowler, Noll and Vo), one byte at a time, lowest byte first.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class BitHash {
  public:
   void add_byte(std::uint8_t byte) noexcept { value_ = (value_ ^ byte) * 0x100000001b3U; }
 
-  /// As 8 bytes, whatever the type, so that a changed width of an integer is no changed result.
+  /// Adds 8 bytes for every type, so that a changed width of an integer does not change the hash.
   void add_word(std::uint64_t word) noexcept {
     for (int shift = 0; shift < 64; shift += 8) add_byte(static_cast<std::uint8_t>(word >> shift));
   }
@@ -45,7 +45,7 @@ class BitHash {
   std::uint64_t value_ = 0xcbf29ce484222325U;
 };
 
-/// Several values in their order.
+/// Adds several values in order.
 template <class... Values>
 requires(sizeof...(Values) > 1) void add_bits(BitHash& hash, const Values&... values) { (add_bits(hash, values), ...); }
 
@@ -54,7 +54,7 @@ void add_bits(BitHash& hash, Number number) {
   hash.add_word(static_cast<std::uint64_t>(number));
 }
 
-/// Zeros keep their sign. All NaNs are one: which bits an operation gives to its NaN is the processor's choice.
+/// Zeros keep their sign. All NaNs count as one: the processor chooses the bits of a NaN that an operation gives.
 inline void add_bits(BitHash& hash, double number) {
   hash.add_word(std::bit_cast<std::uint64_t>(std::isnan(number) ? std::numeric_limits<double>::quiet_NaN() : number));
 }
@@ -80,7 +80,7 @@ inline void add_bits(BitHash& hash, const std::string& text) {
   hash.add_word(text.size());
   for (const char c : text) hash.add_byte(static_cast<std::uint8_t>(c));
 }
-/// A file's bytes.
+/// Adds a file's bytes.
 inline void add_bits(BitHash& hash, const std::vector<char>& bytes) {
   hash.add_word(bytes.size());
   for (const char c : bytes) hash.add_byte(static_cast<std::uint8_t>(c));
@@ -107,7 +107,7 @@ inline void add_bits(BitHash& hash, const Cubemap& cubemap) {
     for (const float value : std::span(cubemap.face(level, 0), 18 * edge * edge)) add_bits(hash, value);
   }
 }
-/// Pixels, size and layout; the words about the file are left out.
+/// Adds pixels, size and layout; text about the file is left out.
 inline void add_bits(BitHash& hash, const Environment& environment) {
   hash.add_word(static_cast<std::uint64_t>(environment.info.layout));
   add_bits(hash, environment.info.width, environment.info.height);
@@ -126,7 +126,7 @@ inline void add_bits(BitHash& hash, const EnvironmentStatistics& s) {
 inline void add_counts(BitHash& hash, const ProjectionDiagnostics& d) {
   add_bits(hash, d.texels, d.nans_replaced, d.infinities_replaced, d.negatives_replaced, d.texels_clamped);
 }
-/// Numbers about the pixels; passes, their words and their times are left out.
+/// Adds the numbers about the pixels; passes, their names and their times are left out.
 inline void add_bits(BitHash& hash, const ProjectionDiagnostics& d) {
   add_counts(hash, d);
   add_bits(hash, d.total_radiance_before_clamp, d.total_radiance, d.error_estimate);
@@ -134,7 +134,7 @@ inline void add_bits(BitHash& hash, const ProjectionDiagnostics& d) {
 inline void add_bits(BitHash& hash, const Projection& projection) {
   add_bits(hash, projection.radiance, projection.diagnostics);
 }
-/// The method and times are left out. The 0 stands where a number stood once, so that recorded hashes stay the same.
+/// Method and times are left out. The 0 stands for a removed number, so that recorded hashes stay the same.
 inline void add_bits(BitHash& hash, const MipRecord& mip) {
   add_bits(hash, mip.size, mip.bands, mip.bright_texels, 0, mip.roughness, mip.error_estimate.value_or(0.0), mip.mean);
 }
@@ -180,7 +180,7 @@ void add_bits(BitHash& hash, const std::shared_ptr<Value>& value) {
   if (value) add_bits(hash, *value);
 }
 
-/// A result that was no optional when hashes were recorded: where it is not there it was empty.
+/// Adds a result that was not optional when hashes were recorded: an absent one was empty then.
 template <class Image>
 void add_bits_or_empty(BitHash& hash, const std::optional<Image>& image) {
   if (image) {
@@ -228,7 +228,7 @@ inline void add_bits(BitHash& hash, const IrradianceError& error) {
   add_bits(hash, error.worst_normal);
 }
 
-/// Of several values in their order.
+/// Returns the hash of several values in order.
 template <class... Values>
 [[nodiscard]] std::uint64_t bits_of(const Values&... values) {
   BitHash hash;

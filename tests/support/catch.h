@@ -1,5 +1,5 @@
-// Catch2 in either of the versions that are about, and the standard headers: precompiled, they cost a test nothing, and
-// no test lists them again.
+// Catch2 in either of the supported versions, and the standard headers: both are precompiled, so that tests need not
+// list them.
 #pragma once
 
 #if __has_include(<catch2/catch_all.hpp>)

@@ -1,4 +1,4 @@
-// Cubemaps with mips: made up, with every texel of every level unlike the others, looked at and compared.
+// Cubemaps with mips: synthetic chains with every texel of every mip different from the others, and comparisons.
 #pragma once
 
 #include <algorithm>
@@ -18,12 +18,12 @@ inline std::size_t face_values(const Cubemap& chain, int level) {
   return 3 * edge * edge;
 }
 
-/// All values of a level: its six faces lie one after the other.
+/// Returns all values of a mip: its six faces lie one after the other.
 inline std::span<const float> level_values(const Cubemap& chain, int level) {
   return {chain.face(level, 0), 6 * face_values(chain, level)};
 }
 
-/// The most that a channel's mean over a level is off.
+/// Returns the largest error of a channel's mean over a mip.
 inline double largest_bias(const Cubemap& decoded, const Cubemap& given, int level) {
   std::array<double, 3> sums{};
   std::array<double, 3> wanted{};
@@ -36,7 +36,7 @@ inline double largest_bias(const Cubemap& decoded, const Cubemap& given, int lev
   return largest;
 }
 
-/// Noise from 2^-`octaves` to 2^`octaves`, as many in each octave.
+/// Returns noise from 2^-`octaves` to 2^`octaves`, with as many values in each octave.
 inline Cubemap noisy_chain(int size, int levels, int octaves = 6, unsigned seed = 1) {
   Cubemap chain(size, levels);
   std::mt19937 random(seed);
@@ -47,7 +47,7 @@ inline Cubemap noisy_chain(int size, int levels, int octaves = 6, unsigned seed 
   return chain;
 }
 
-/// The chain after each value went through `change`.
+/// Returns the chain with `change` applied to each value.
 template <class Change>
 Cubemap changed(const Cubemap& chain, const Change& change) {
   Cubemap result = chain;
@@ -55,8 +55,8 @@ Cubemap changed(const Cubemap& chain, const Change& change) {
   return result;
 }
 
-/// Calls `compare(a, b)` with the values of both chains, in order; false if they have not the same shape or it was ever
-/// false.
+/// Calls `compare(a, b)` with the values of both chains, in order. Returns false if their shapes differ or any call
+/// returned false.
 template <class Compare>
 bool all_values(const Cubemap& a, const Cubemap& b, const Compare& compare) {
   return a.size() == b.size() && a.levels() == b.levels() && std::ranges::equal(a.pixels(), b.pixels(), compare);

@@ -1,4 +1,4 @@
-// Comparing numbers and spherical harmonics.
+// Comparisons of numbers and spherical harmonics.
 #pragma once
 
 #include "support/catch.h"
@@ -7,12 +7,12 @@
 
 namespace welkin::test {
 
-/// Whether two numbers differ by no more than `relative` times the second.
+/// Whether two numbers differ by at most `relative` times the second.
 inline bool close(double found, double wanted, double relative = 1e-12) {
   return std::abs(found - wanted) <= relative * std::abs(wanted);
 }
 
-/// |a - truth| over all coefficients and channels from band `first_band` on.
+/// Returns the norm of the difference over all coefficients and channels from band `first_band` on.
 inline double distance(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band = 0) {
   double sum = 0.0;
   for (std::size_t k = SphericalHarmonics::index(first_band, -first_band); k < truth.coefficients().size(); ++k) {
@@ -22,18 +22,18 @@ inline double distance(const SphericalHarmonics& a, const SphericalHarmonics& tr
   return std::sqrt(sum);
 }
 
-/// |c| likewise.
+/// Returns the norm over all coefficients and channels from band `first_band` on.
 inline double norm(const SphericalHarmonics& c, int first_band = 0) {
   return distance(c, SphericalHarmonics(c.bands()), first_band);
 }
 
-/// |a - truth| / |truth|; 0 if both are zero.
+/// Returns the norm of the difference relative to that of the second argument, or 0 if both are zero.
 inline double relative_error(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band = 0) {
   const double off = distance(a, truth, first_band);
   return off == 0.0 ? 0.0 : off / norm(truth, first_band);
 }
 
-/// Every coefficient equal to the last bit; -0 is not 0.
+/// Whether every coefficient is equal to the last bit; -0 is not 0.
 inline bool same_bits(const SphericalHarmonics& a, const SphericalHarmonics& b) {
   return same_bytes(a.coefficients(), b.coefficients());
 }

@@ -1,5 +1,4 @@
-// Cubemaps as images of every layout, put together texel by texel from a drawing: nothing of the library's own idea
-// of layouts is in it.
+// Cubemaps as images of every layout, assembled texel by texel from a drawing, without the library's code for layouts.
 #pragma once
 
 #include "support/catch.h"
@@ -13,8 +12,8 @@ struct CubeImage {
   std::vector<float> pixels;  ///< width x height x 3, row 0 on top
 };
 
-/// Where faces lie: a digit is a face of CubemapView, a letter one that is turned by half a turn ('f' is face 5), a
-/// point nothing.
+/// Returns where faces lie: a digit is a face of CubemapView, a letter a face rotated by 180 degrees ('f' is face 5), a
+/// dot nothing.
 inline std::vector<std::string> drawing(Layout layout) {
   switch (layout) {
     case Layout::vertical_strip: return {"0", "1", "2", "3", "4", "5"};
@@ -31,14 +30,14 @@ inline const std::vector<Layout>& one_file_cube_layouts() {
   return layouts;
 }
 
-/// 6 x size x size x 3 floats, each texel unlike every other; exact in a float up to size 1000.
+/// Returns 6 x size x size x 3 floats, each texel different from every other; exact in a float up to size 1000.
 inline std::vector<float> unlike_texels(int size) {
   std::vector<float> faces(std::size_t{18} * static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
   for (std::size_t i = 0; i < faces.size(); ++i) faces[i] = static_cast<float>(i + 1) * 0.5F;
   return faces;
 }
 
-/// `faces`: 6 x size x size x 3. What no face covers is filled with `blank`.
+/// `faces`: 6 x size x size x 3. Pixels that no face covers are filled with `blank`.
 inline CubeImage cube_image(Layout layout, int size, std::span<const float> faces, float blank) {
   const std::vector<std::string> rows = drawing(layout);
   CubeImage image;

@@ -14,7 +14,7 @@ namespace {
 
 using Bytes = std::vector<char>;
 
-constexpr std::size_t kExrHeader = 480;  // and the table of offsets, and the first block's size
+constexpr std::size_t kExrHeader = 480;  // including the table of offsets and the first block's size
 constexpr std::size_t kWhole = static_cast<std::size_t>(-1);
 constexpr std::array<std::uint32_t, 6> kExtremes{0, 1, 0xffffffffU, 0x7fffffffU, 0x80000000U, 0x10000U};
 const std::array<const char*, 12> kExtremeNumbers{"0",
@@ -48,7 +48,7 @@ Bytes luminance_chroma_exr(const std::filesystem::path& directory) {
   return read_bytes(path);
 }
 
-/// The part that is read is the first.
+/// The first part is the one that is read.
 Bytes exr_of_parts(const std::filesystem::path& directory) {
   ExrRecipe mask = small_sky();
   mask.channels = {{"Y"}};
@@ -92,7 +92,7 @@ void repair_png(Bytes& bytes) {
   }
 }
 
-/// Hands out the damaged bytes, and once more with right checksums.
+/// Passes the damaged bytes to `use`, then again with corrected checksums.
 void hand_out(const SoundFile& file, Bytes bytes, const Use& use) {
   use(bytes);
   if (!file.repair) return;
@@ -100,7 +100,7 @@ void hand_out(const SoundFile& file, Bytes bytes, const Use& use) {
   use(bytes);
 }
 
-/// The places of `sample` from which `bytes` lie within the header.
+/// Returns the offsets of `sample` from which `bytes` lie within the header.
 std::vector<std::size_t> places(const SoundFile& file, const SoundFile::Sample& sample, std::size_t bytes) {
   const auto step = static_cast<std::size_t>(stride(static_cast<int>(sample.step)));
   std::vector<std::size_t> all;
@@ -159,8 +159,8 @@ std::vector<SoundFile> sound_files(const std::filesystem::path& directory) {
       {"eight-bits.png", png(8, false), kWhole, true, repair_png},
       {"interlaced.png", png(16, true), kWhole, true, repair_png},
   };
-  // Headers of OpenEXR begin alike: each file has another third of them damaged. Of a JPEG's fields, which are short,
-  // each one has a part of every extreme in it.
+  // OpenEXR headers begin the same way, so each file has a different third of them damaged. A JPEG's fields are short:
+  // each gets part of every extreme.
   std::size_t number = 0;
   for (SoundFile& file : files) {
     file.header_bytes = std::min(file.header_bytes, file.bytes.size());
@@ -195,7 +195,7 @@ void for_each_extreme_field(const SoundFile& file, const Use& use) {
       Bytes damaged = file.bytes;
       put(damaged, index, value, file.big_endian);
       hand_out(file, damaged, use);
-      // As pairs only those whose product is large.
+      // Pairs are written only if their product is large.
       if (index + 8 > file.header_bytes || value < 0x10000U) continue;
       put(damaged, index + 4, value, file.big_endian);
       hand_out(file, std::move(damaged), use);

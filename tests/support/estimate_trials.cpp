@@ -16,8 +16,8 @@
 namespace welkin::test {
 namespace {
 
-constexpr int kProbes = 96;         ///< texels of a mip that are held to the truth; of up to 192 texels, all
-constexpr double kRounding = 1e-7;  ///< true errors below this say nothing of how careful an estimate is
+constexpr int kProbes = 96;         ///< texels per mip compared with the reference; all, in mips of up to 192 texels
+constexpr double kRounding = 1e-7;  ///< true errors below this do not show how conservative an estimate is
 
 double distance_between(const SphericalHarmonics& found, const SphericalHarmonics& truth) {
   double squares = 0.0;
@@ -30,11 +30,11 @@ double distance_between(const SphericalHarmonics& found, const SphericalHarmonic
   return whole > 0.0 ? std::sqrt(squares / whole) : 0.0;
 }
 
-/// Texels of a level, and what each stands for in a mean over all.
+/// Texels of a mip, and the weight of each in a mean over all.
 struct Probes {
   std::vector<int> texels;
   std::vector<glm::dvec3> directions;
-  std::vector<double> weights;  ///< of all texels the sum is 1, of some it is so in the mean
+  std::vector<double> weights;  ///< their sum is 1 for all texels; for a sample it is 1 in the mean
 };
 
 glm::dvec3 direction_of(int size, int texel) {
@@ -47,7 +47,7 @@ glm::dvec3 value_of(const Cubemap& chain, int level, int texel) {
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// Solid angles of all texels over the whole.
+/// Returns each texel's fraction of the sphere's solid angle.
 std::vector<double> shares_of(int size) {
   std::vector<double> shares;
   double whole = 0.0;
@@ -61,7 +61,7 @@ std::vector<double> shares_of(int size) {
   return shares;
 }
 
-/// Squares of the differences to the texels on either side within the face.
+/// Returns the sum of the squared differences to the texels on either side within the face.
 double gradient_square(const Cubemap& chain, int level, int texel) {
   const int size = chain.level_size(level);
   const int column = texel % size;
@@ -80,10 +80,10 @@ double gradient_square(const Cubemap& chain, int level, int texel) {
   return sum;
 }
 
-/// A chain's mip by its root mean square, and the square of its error at probes.
+/// A chain's mip: its root mean square, and the squared error at probes.
 class MipTruth {
  public:
-  /// `probes`: texels that are drawn; of up to twice as many, all are taken.
+  /// `probes`: number of texels drawn; a mip of up to twice as many texels has all of them taken.
   MipTruth(const Cubemap& chain, int level, RandomEnvironments& random, int probes = kProbes)
       : chain_(chain), level_(level), count_(probes), shares_(shares_of(chain.level_size(level))) {
     for (std::size_t k = 0; k < shares_.size(); ++k) {
@@ -122,8 +122,8 @@ class MipTruth {
     probes_.weights.push_back(weight);
   }
 
-  /// Two fifths of the draws even over the sphere, the others where it is bright and where it changes: errors are
-  /// there.
+  /// Two fifths of the draws are uniform over the sphere. The others fall where it is bright and where it changes,
+  /// because errors lie there.
   void draw(RandomEnvironments& random) {
     std::vector<double> steep;
     double all_steep = 0.0;
@@ -159,10 +159,10 @@ class MipTruth {
   Probes probes_;
 };
 
-/// Texels from an eighth to one and a half times as wide as it takes to show a lobe.
+/// Returns a size whose texels are 1/8 to 1.5 times as wide as is needed to show a lobe.
 int size_for(double roughness, RandomEnvironments& random) {
   const double wanted = 0.5 * std::numbers::pi / (roughness * roughness) * random.scale(0.125, 1.5);
-  const int most = roughness < 0.055 ? 32 : 128;  // narrow mips take a microsecond a texel
+  const int most = roughness < 0.055 ? 32 : 128;  // narrow mips take 1 us per texel
   int size = 4;
   while (size < most && 1.4 * size < wanted) size *= 2;
   return size;
@@ -176,7 +176,7 @@ void add_to(EstimateTrials& trials, const std::string& kind, double truth, doubl
 
 class Trial {
  public:
-  /// `family`: whether the environment is of one.
+  /// `family`: whether the environment belongs to a `Family`.
   Trial(std::uint32_t seed, bool family, const RoughnessSpan& roughness, RandomEnvironments& random,
         EstimateTrials& trials)
       : seed_(seed),
@@ -224,7 +224,7 @@ class Trial {
         ", " + std::to_string(bands_) + " bands, target " + std::to_string(options.target_size.value_or(0)));
   }
 
-  /// A level of a mip chain.
+  /// Projects a mip of a mip chain.
   void project_levels(const CubemapView& view) {
     const SphericalHarmonics truth = reference_projection(view);
     const Cubemap chain = build_mips(view, MipFilter::solid_angle);
@@ -243,7 +243,7 @@ class Trial {
     options.size = size_for(options.roughness[0], random_);
     judge(view, layout, options, 0);
     if (!family_ || !random_.chance(0.3)) return;
-    // a whole chain, whose narrowest lobe decides for all
+    // a whole chain, whose narrowest lobe decides for all mips
     judge(view, layout, {.size = random_.chance(0.5) ? 16 : 64, .rms_error = roughness_.rms_error},
           random_.whole(1, 4));
   }
@@ -294,7 +294,7 @@ NamedLobe random_kernel(RandomEnvironments& random) {
   return {"spectra", "a spectrum of " + std::to_string(spectrum.size()), ZonalLobe::from_spectrum(spectrum)};
 }
 
-/// A mip by a lobe other than GGX, and its error. Returns false if it was refused.
+/// Prefilters a mip with a lobe other than GGX and adds its error. Returns false if the lobe was refused.
 template <class View>
 bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed, RandomEnvironments& random,
                 EstimateTrials& trials) {
@@ -308,7 +308,7 @@ bool judge_lobe(const View& view, const std::string& layout, std::uint32_t seed,
     if (error.code() != ErrorCode::limit_exceeded) throw;
     return false;
   }
-  constexpr double kTruthError = 7e-6;  // of the integrals, where a lobe has a fraction's power at its axis or horizon
+  constexpr double kTruthError = 7e-6;  // of the integrals, for a lobe with a fractional power at its axis or horizon
   constexpr int kLobeProbes = 48;       // an integral takes up to 20 ms
   const MipTruth truth(result.cubemap, 0, random, kLobeProbes);
   add_to(trials, std::string("prefilter, ") + lobe.family + ", " + layout,
@@ -323,7 +323,7 @@ Cubemap image_of(const std::vector<Cubemap>& images, RandomEnvironments& random)
   return to_cubemap(image.view(), random.whole(6, 20), rotation_about_y(random.between(0.0, 360.0)));
 }
 
-/// Small sources, those of a power of two, and now and then an odd large one.
+/// Draws small sources, powers of two, and occasionally an odd large one.
 int rows_of_family(RandomEnvironments& random, bool large) {
   constexpr int kOdd[] = {67, 72, 88};
   if (large && random.chance(0.2)) return kOdd[random.whole(0, 2)];

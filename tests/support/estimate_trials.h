@@ -1,4 +1,4 @@
-// How honest estimates are over many trials: the share that is at least the true error, and how careful they are.
+// How often estimates are at least the true error over many trials, and how conservative they are.
 #pragma once
 
 #include <algorithm>
@@ -22,14 +22,14 @@ class Honesty {
   Honesty(const Honesty&) = delete;
   Honesty& operator=(const Honesty&) = delete;
 
-  /// With WELKIN_RANDOM_TRIALS set, says what was measured: docs/maths/reflections.md has such figures.
+  /// With WELKIN_RANDOM_TRIALS set, prints the measurements: docs/maths/reflections.md has such figures.
   ~Honesty() {
     if (std::getenv("WELKIN_RANDOM_TRIALS") == nullptr) return;
     std::printf("%-44s %5zu estimates, honest %7.3f %%, median estimate/true %6.2f, worst true/estimate %6.3f (%s)\n",
                 what_.c_str(), count_, 100.0 * share(), median(), worst_, worst_case_.c_str());
   }
 
-  /// `floor`: true errors below it say nothing of how careful the estimate is (they are rounding).
+  /// `floor`: true errors below it are rounding and do not show how conservative the estimate is.
   void add(double truth, double estimate, const std::string& where = "", double floor = 0.0) {
     ++count_;
     if (truth <= estimate) ++honest_;
@@ -45,14 +45,14 @@ class Honesty {
   [[nodiscard]] double share() const {
     return count_ == 0 ? 0.0 : static_cast<double>(honest_) / static_cast<double>(count_);
   }
-  /// Of estimate over true error.
+  /// Returns the median of estimate over true error.
   [[nodiscard]] double median() const {
     if (ratios_.empty()) return 0.0;
     std::vector<double> sorted = ratios_;
     std::sort(sorted.begin(), sorted.end());
     return sorted[sorted.size() / 2];
   }
-  /// Of true error over estimate.
+  /// Returns the largest true error over estimate.
   [[nodiscard]] double worst() const { return worst_; }
   [[nodiscard]] const std::string& worst_case() const { return worst_case_; }
 
@@ -65,33 +65,32 @@ class Honesty {
   std::vector<double> ratios_;
 };
 
-/// Trials by the kind of result, in the order of their names.
+/// Trials by the kind of result, sorted by name.
 using EstimateTrials = std::map<std::string, std::unique_ptr<Honesty>>;
 
 struct RoughnessSpan {
   double least;
   double most;
-  double rms_error = 1e-3;  ///< asked for
+  double rms_error = 1e-3;  ///< the requested bound
 };
 
-/// Makes `count` environments of the seeds from `seed` on (of suns, noise, patterns, gradients, horizons; dark ones;
-/// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; now and then one of `images`, turned into such a one),
-/// projects each, prefilters each to a mip of a roughness within `roughness`, and adds what was estimated and what is
-/// true. Errors of projections are relative to the norm of the coefficients, those of mips (if their record has an
-/// estimate) to their root mean square over the sphere, at up to 192 of its texels.
+/// Makes `count` environments of the seeds from `seed` on (suns, noise, patterns, gradients, horizons; dark ones;
+/// cubemaps of 4 to 20 texels and lat-longs of 6 to 32 rows; occasionally one of `images`, converted to such a size),
+/// projects each, prefilters each to a mip of a roughness within `roughness`, and adds estimated and true errors.
+/// Errors of projections are relative to the norm of the coefficients. Errors of mips, if their record has an estimate,
+/// are relative to their root mean square over the sphere, at up to 192 of its texels.
 void add_estimate_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness,
                          const std::vector<Cubemap>& images, EstimateTrials& trials);
 
-/// The same of environments of each `Family` in turn, by up to nine bands. Their sources have 4 to 16 rows, or with
-/// `large` up to 24, and now and then 67, 72 or 88. Where `roughness` begins below 0.1, two fifths are below that. Now
-/// and then a mip of a chain of 16 or 64 is judged, too.
+/// Does so with environments of each `Family` in turn, by up to nine bands. Their sources have 4 to 16 rows, with
+/// `large` up to 24 and occasionally 67, 72 or 88. Where `roughness` begins below 0.1, two fifths are below that.
+/// Occasionally a mip of a chain of 16 or 64 is judged, too.
 void add_family_trials(std::uint32_t seed, int count, const RoughnessSpan& roughness, bool large,
                        EstimateTrials& trials);
 
-/// Makes `count` environments of the seeds from `seed` on, of all kinds and families and of `images`, blurs each by a
+/// Makes `count` environments of the seeds from `seed` on, of all kinds and families and of `images`, blurs each with a
 /// lobe other than GGX (Charlie of 0.05 to 1, Phong and Blinn of 1 to 2000, Lambert, given spectra) to a mip of 4 to 32
-/// texels, now and then 64, within 1e-3 or 1e-4, and adds what was estimated and what is true. Returns how many were
-/// refused.
+/// texels, occasionally 64, within 1e-3 or 1e-4, and adds estimated and true errors. Returns how many were refused.
 int add_lobe_trials(std::uint32_t seed, int count, const std::vector<Cubemap>& images, EstimateTrials& trials);
 
 }  // namespace welkin::test

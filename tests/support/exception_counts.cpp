@@ -1,9 +1,9 @@
-// Lets the thread sanitizer see who is the last to hold an exception.
+// Lets the thread sanitizer see which thread holds an exception last.
 //
-// libstdc++ counts the holders of an exception, which futures hand from thread to thread, with atomic operations inside
-// its own library, where the sanitizer does not look: the last one, who frees it, then seems to race with those who
-// read it before. Here the two places where a count falls take a lock that the sanitizer does see. So it need not be
-// told to ignore anything.
+// libstdc++ counts the holders of an exception, which futures pass between threads, with atomic operations inside its
+// own library, which is not instrumented. The last holder, which frees the exception, then seems to race with the
+// earlier readers. Here the two functions that decrement the count take a lock that the sanitizer does see, so that no
+// suppression is needed.
 #if defined(__SANITIZE_THREAD__)
 
 #include <dlfcn.h>

@@ -42,7 +42,7 @@ Imf::Header make_header(const ExrRecipe& recipe) {
   return header;
 }
 
-// One plane for each channel, in its type, over the data window.
+// One plane per channel, in its type, over the data window.
 class Planes {
  public:
   Planes(const ExrRecipe& recipe, const std::vector<float>& rgb) : recipe_(recipe) {
@@ -76,7 +76,7 @@ class Planes {
             static_cast<std::size_t>(row) * static_cast<std::size_t>(recipe_.width) + static_cast<std::size_t>(column);
         const float value = rgb[3 * texel + static_cast<std::size_t>(channel.component)];
         const half narrow(value);
-        // A whole number may be -99 too, which marks what is not to be read: by way of a signed number it wraps.
+        // An integer may be -99 too, which marks pixels that are not read: converted through a signed number it wraps.
         const auto whole = channel.type == Imf::UINT ? static_cast<unsigned>(static_cast<std::int64_t>(value)) : 0U;
         const void* source = channel.type == Imf::HALF    ? static_cast<const void*>(&narrow)
                              : channel.type == Imf::FLOAT ? static_cast<const void*>(&value)
@@ -91,7 +91,7 @@ class Planes {
   std::vector<std::vector<char>> planes_;
 };
 
-// To a TiledOutputFile or TiledOutputPart.
+// Writes to a TiledOutputFile or TiledOutputPart.
 template <typename TiledOutput>
 void write_tiles(TiledOutput& file, const ExrRecipe& recipe, const std::vector<float>& rgb) {
   const std::vector<float> marker(rgb.size(), -99.0F);

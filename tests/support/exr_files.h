@@ -1,4 +1,4 @@
-// OpenEXR files of every kind, made on the spot with the OpenEXR library, and read back by it alone.
+// OpenEXR files of every kind, written with the OpenEXR library and read back by it alone.
 #pragma once
 
 #include <ImfCompression.h>
@@ -20,10 +20,10 @@ struct ExrChannel {
   std::string name;
   Imf::PixelType type = Imf::HALF;
   int sampling = 1;   ///< in both directions
-  int component = 0;  ///< of the pixels that it is made from: 0 red, 1 green, 2 blue
+  int component = 0;  ///< component of the source pixels: 0 red, 1 green, 2 blue
 };
 
-/// R, G and B of one type.
+/// Returns R, G and B of one type.
 std::vector<ExrChannel> rgb_channels(Imf::PixelType type);
 
 struct ExrRecipe {
@@ -36,10 +36,10 @@ struct ExrRecipe {
   std::optional<Imf::TileDescription> tiles{};
   std::optional<Imf::Envmap> envmap{};
   std::vector<ExrChannel> channels = rgb_channels(Imf::HALF);
-  std::function<void(Imf::Header&)> adjust{};  ///< does what is left to do to the header
+  std::function<void(Imf::Header&)> adjust{};  ///< sets everything else in the header
 };
 
-/// One part of a multi-part file. Of a deep one only the header is written.
+/// One part of a multi-part file. Only the header of a deep part is written.
 struct ExrPartRecipe {
   std::string name;
   ExrRecipe recipe;
@@ -52,20 +52,20 @@ void write_exr(const std::filesystem::path& path, const ExrRecipe& recipe, const
 
 void write_exr_parts(const std::filesystem::path& path, const std::vector<ExrPartRecipe>& parts);
 
-/// Luminance and chroma by OpenEXR's own RgbaOutputFile: size, window, compression and `adjust` are the recipe's.
+/// Writes luminance and chroma with OpenEXR's RgbaOutputFile: size, window, compression and `adjust` are the recipe's.
 void write_luminance_chroma_exr(const std::filesystem::path& path, const ExrRecipe& recipe,
                                 const std::vector<float>& rgb);
 
-/// The data window as OpenEXR's RgbaInputFile gives it, halves as floats.
+/// Returns the data window as OpenEXR's RgbaInputFile gives it, half floats as floats.
 std::vector<float> read_rgba_with_library(const std::filesystem::path& path);
 
-/// R, G, B as the library's plainest way of reading gives them.
+/// Returns R, G, B as the library's simplest interface reads them.
 std::vector<float> read_exr_with_library(const std::filesystem::path& path);
 
-/// A smooth bright image with noise, below the largest half: the same for the same arguments.
+/// Returns a smooth bright image with noise, below the largest half float: equal for equal arguments.
 std::vector<float> some_pixels(int width, int height, unsigned seed = 1);
 
-/// What remains of a value in a half.
+/// Returns the value rounded to a half float.
 float as_half(float value);
 
 }  // namespace welkin::test

@@ -1,5 +1,5 @@
-// With WELKIN_TEST_FILL_MEMORY set, working memory is filled with NaN before the program's calls get it: who reads what
-// nobody wrote, also in tables that are made once, changes results that are on record.
+// With WELKIN_TEST_FILL_MEMORY set, working memory is filled with NaN before the program's calls get it: a read of
+// memory that was never written, also in tables that are built once, changes recorded results.
 #include <cstdlib>
 
 #include "platform/memory.h"

@@ -9,7 +9,7 @@ namespace {
 
 void append(std::vector<char>& bytes, const Rgbe& texel) { bytes.insert(bytes.end(), texel.begin(), texel.end()); }
 
-// How often texel `i` stands there in a row.
+// Returns the length of the run that starts at texel `i`.
 template <typename Same>
 std::size_t run_length(std::size_t i, std::size_t end, std::size_t longest, const Same& same) {
   std::size_t length = 1;
@@ -19,7 +19,7 @@ std::size_t run_length(std::size_t i, std::size_t end, std::size_t longest, cons
   return length;
 }
 
-// Counts go out lowest byte first, each byte as a repeat of its own; a byte of 0 keeps its place.
+// Counts are written lowest byte first, each byte as a separate repeat; a byte of 0 is written too.
 void append_old(std::vector<char>& bytes, const std::vector<Rgbe>& scanline) {
   const auto same = [&](std::size_t a, std::size_t b) { return scanline[a] == scanline[b]; };
   for (std::size_t i = 0; i < scanline.size();) {
@@ -53,7 +53,7 @@ void append_component(std::vector<char>& bytes, const std::vector<Rgbe>& scanlin
   }
 }
 
-/// One scanline in a form.
+/// Returns one scanline in a form.
 std::vector<char> scanline_bytes(HdrForm form, const std::vector<Rgbe>& scanline) {
   std::vector<char> bytes;
   const std::size_t length = scanline.size();
@@ -134,7 +134,7 @@ std::vector<char> hdr_bytes(const HdrRecipe& recipe, const std::vector<Rgbe>& te
                                 static_cast<std::size_t>(column)]);
     }
     const HdrForm form = recipe.form == HdrForm::mixed ? static_cast<HdrForm>(s % 3) : recipe.form;
-    // A flat or old scanline that starts like the new form would be taken for it, as by Radiance; texels with a third
+    // A flat or old scanline that begins like the new form would be read as new, as Radiance does; texels with a third
     // byte of 128 or more are safe.
     const std::vector<char> coded = scanline_bytes(form, scanline);
     bytes.insert(bytes.end(), coded.begin(), coded.end());

@@ -1,4 +1,4 @@
-// Radiance images of every form, made on the spot by code that knows nothing of the reader.
+// Radiance images of every form, written by code independent of the reader.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ enum class HdrForm {
   flat,
   old_rle,
   new_rle,
-  mixed,  ///< each scanline in another of the three
+  mixed,  ///< the three forms in turn, one per scanline
 };
 
 struct HdrRecipe {
@@ -28,18 +28,18 @@ struct HdrRecipe {
   std::vector<std::string> lines = {"FORMAT=32-bit_rle_rgbe"};
 };
 
-/// An image with long and short runs, darkness, and the largest and smallest exponents; no texel that would read as
-/// a repeat in the old form. The same for the same arguments.
+/// Returns an image with long and short runs, black, and the largest and smallest exponents, but no texel that would
+/// read as a repeat in the old form. Equal for equal arguments.
 std::vector<Rgbe> some_rgbe(int width, int height, unsigned seed = 1);
 
-/// What the texels mean: mantissa * 2^(exponent - 136), and 0 for exponent 0. 3 floats each.
+/// Returns the decoded texels: mantissa * 2^(exponent - 136), and 0 for exponent 0. 3 floats each.
 std::vector<float> decoded(const std::vector<Rgbe>& texels);
 
-/// A file's bytes, of the upright image `texels` (row 0 on top). Lengths that the new form cannot have are written
-/// flat.
+/// Returns the bytes of a file of the upright image `texels` (row 0 on top). Lengths that the new form cannot hold are
+/// written flat.
 std::vector<char> hdr_bytes(const HdrRecipe& recipe, const std::vector<Rgbe>& texels);
 
-/// Header, empty line and resolution line of a recipe.
+/// Returns the header, empty line and resolution line of a recipe.
 std::string hdr_header(const HdrRecipe& recipe);
 
 }  // namespace welkin::test

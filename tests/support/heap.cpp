@@ -22,7 +22,7 @@ std::atomic<bool> watching{false};
 std::atomic<long> held_bytes{0};
 std::atomic<long> most_bytes{0};
 
-thread_local bool blocks_are_watched = false;  ///< those that this thread gets
+thread_local bool blocks_are_watched = false;  ///< blocks that this thread gets
 std::array<std::atomic<void*>, 16384> watched_blocks;
 std::atomic<long> foreign_frees{0};
 

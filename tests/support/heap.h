@@ -1,4 +1,4 @@
-// Looking at the heap, making it fail, and how much working memory the process keeps.
+// Heap allocations: counting them, making them fail, and how much working memory the process keeps.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace welkin::test {
 
-/// While it lives, `bytes` of working memory are kept: none of it is left from before, and none afterwards.
+/// Keeps `bytes` of working memory while it lives: none of it remains from before, and none afterwards.
 class KeptMemory {
  public:
   explicit KeptMemory(std::size_t bytes) noexcept {
@@ -29,7 +29,7 @@ class KeptMemory {
 #endif
 };
 
-/// Whether allocations by malloc are seen as those by operator new are: it cannot be replaced in Windows.
+/// Whether allocations by malloc are seen as those by operator new are: malloc cannot be replaced on Windows.
 #if defined(_WIN32)
 inline constexpr bool kSeesMalloc = false;
 #else
@@ -37,18 +37,18 @@ inline constexpr bool kSeesMalloc = true;
 #endif
 
 /// Allocations inside tiles since the last `forget_allocations_in_tiles()`, on all threads, by operator new or malloc.
-/// Sanitizers bring a heap of their own: 0 under them.
+/// 0 under sanitizers, which replace the heap.
 [[nodiscard]] long allocations_in_tiles() noexcept;
 void forget_allocations_in_tiles() noexcept;
 
-/// Whose allocations.
+/// The threads whose allocations count.
 enum class Heap {
   this_thread,
-  other_threads,  ///< all but this one's
+  other_threads,  ///< all threads but this one
 };
 
-/// While it lives, the number-th (from 1) operator new of those fails with std::bad_alloc; if `for_good`, all later
-/// ones too. One at a time in the program.
+/// While it lives, the number-th (from 1) operator new of those threads fails with std::bad_alloc; if `for_good`, all
+/// later ones too. At most one in the program at a time.
 class FailingHeap {
  public:
   FailingHeap(Heap heap, long number, bool for_good) noexcept;
@@ -56,16 +56,16 @@ class FailingHeap {
   FailingHeap(const FailingHeap&) = delete;
   FailingHeap& operator=(const FailingHeap&) = delete;
 
-  /// Whether it came to that.
+  /// Whether an allocation failed.
   [[nodiscard]] bool failed() const noexcept;
 
  private:
-  KeptMemory kept_{0};  ///< all memory is the heap's
+  KeptMemory kept_{0};  ///< all memory comes from the heap
   long number_;
 };
 
-/// While it lives, watches how much the program has from malloc beyond what it had before, on all threads. One at a
-/// time.
+/// While it lives, measures how much more memory the program has from malloc than before, on all threads. At most one
+/// at a time.
 class HeapWatch {
  public:
   HeapWatch() noexcept;
@@ -73,16 +73,16 @@ class HeapWatch {
   HeapWatch(const HeapWatch&) = delete;
   HeapWatch& operator=(const HeapWatch&) = delete;
 
-  /// The most so far, bytes. Sanitizers bring a heap of their own: 0 under them.
+  /// The peak so far, bytes. 0 under sanitizers, which replace the heap.
   [[nodiscard]] long peak_bytes() const noexcept;
 
  private:
-  KeptMemory kept_{0};  ///< all memory is the heap's
+  KeptMemory kept_{0};  ///< all memory comes from the heap
 };
 
-/// While it lives, watches blocks that this thread gets from malloc meanwhile, and counts those of them that other
-/// threads free. One at a time. A block may be missed if another one takes its place in the table of those that are
-/// watched; none is counted that this thread did not get. Sanitizers bring a heap of their own: 0 under them.
+/// While it lives, watches the blocks that this thread gets from malloc, and counts those that other threads free. At
+/// most one at a time. A block may be missed if another takes its slot in the table of watched blocks; blocks of other
+/// threads are never counted. 0 under sanitizers, which replace the heap.
 class ForeignFrees {
  public:
   ForeignFrees() noexcept;
@@ -95,16 +95,16 @@ class ForeignFrees {
 
 }  // namespace welkin::test
 
-// Between these counters and the functions of a system's heap that they count.
+// The interface between these counters and the system heap's functions that they count.
 namespace welkin::test::heap {
 
-/// Whether this operator new is the one that is to fail.
+/// Whether this operator new is the one that must fail.
 [[nodiscard]] bool must_fail() noexcept;
 
-/// An allocation.
+/// Counts an allocation.
 void count() noexcept;
 
-/// A block that was given, or is about to be taken back; `usable_size`: how many bytes a block has.
+/// Records a block that was allocated or is about to be freed; `usable_size` returns a block's size in bytes.
 void* given(void* block, std::size_t (*usable_size)(void*)) noexcept;
 void taken(void* block, std::size_t (*usable_size)(void*)) noexcept;
 

@@ -1,4 +1,4 @@
-// What the program's heap counts, on systems whose malloc it may replace.
+// The counted heap functions on systems whose malloc a program may replace.
 #include <dlfcn.h>
 #include <malloc.h>
 
@@ -7,8 +7,8 @@
 
 using welkin::test::heap::count, welkin::test::heap::must_fail;
 
-// The program's operators new take the place of the library's for every library in the process. What they do not refuse
-// goes on to the next ones, the standard library's or a sanitizer's, whose operators delete are still in place.
+// The program's operators new replace the library's for every library in the process. Requests that they do not refuse
+// go on to the next ones, the standard library's or a sanitizer's, whose operators delete are still in place.
 void* operator new(std::size_t size) {
   static const auto next = reinterpret_cast<void* (*)(std::size_t)>(dlsym(RTLD_NEXT, "_Znwm"));
   if (must_fail()) throw std::bad_alloc();
@@ -36,14 +36,14 @@ void* operator new[](std::size_t size, std::align_val_t alignment) {
 }
 
 #if defined(__SANITIZE_ADDRESS__) && defined(__clang__)
-// With clang the sanitizer is part of the program, and what comes next after the operators above is libstdc++'s, which
-// take from malloc what the sanitizer's operator delete is given.
+// With clang the sanitizer is part of the program, and the operators that follow the ones above are libstdc++'s. They
+// take memory from malloc that is then passed to the sanitizer's operator delete.
 extern "C" const char* __asan_default_options() { return "alloc_dealloc_mismatch=0"; }  // NOLINT: a name it looks for
 #endif
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
-// The same with malloc; glibc's own names still lead to the real one. libstdc++'s operator new comes through here too.
+// Replaces malloc, too; glibc's __libc_ names still reach the original. libstdc++'s operator new comes through here.
 namespace {
 void* given(void* block) noexcept { return welkin::test::heap::given(block, malloc_usable_size); }
 void taken(void* block) noexcept { welkin::test::heap::taken(block, malloc_usable_size); }

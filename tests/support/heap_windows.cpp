@@ -1,5 +1,5 @@
-// What the program's heap counts on Windows, where nobody can replace a DLL's malloc: the operators new and delete of
-// the program and of what is linked into it. Blocks of greater alignment are not watched.
+// The counted heap functions on Windows, where a DLL's malloc cannot be replaced: the operators new and delete of the
+// program and of the code linked into it. Blocks of greater alignment are not watched.
 #include <malloc.h>
 
 #include "support/catch.h"

@@ -1,4 +1,4 @@
-// Images that tests make, and the real ones where they are at hand.
+// Images that tests make, and the shared real ones where they are present.
 #pragma once
 
 #include "image/geometry.h"
@@ -15,14 +15,14 @@ namespace welkin::test {
 inline const std::filesystem::path kImages = std::filesystem::path(WELKIN_SHARED) / "hdr";
 inline const std::filesystem::path kVariants = kImages / "variants";
 
-/// Says so if they are not.
+/// Prints a note if the shared images are absent.
 inline bool shared_images_are_here() {
   if (std::filesystem::exists(kVariants / "truth_256x128.npy")) return true;
   WARN("left out: the shared images are not at " << kImages);
   return false;
 }
 
-/// The shared lat-longs of up to 1024 columns, of one kind of file where its extension is given, by their names.
+/// Returns the shared lat-longs of up to 1024 columns, sorted by name; of one file type if `extension` is given.
 inline std::vector<std::filesystem::path> shared_lat_longs(const std::string& extension = "") {
   std::vector<std::filesystem::path> files;
   if (!shared_images_are_here()) return files;
@@ -35,8 +35,8 @@ inline std::vector<std::filesystem::path> shared_lat_longs(const std::string& ex
   return files;
 }
 
-/// What REFERENCE_SH.csv of the shared images has of a kind, by file name: names and values, in its order. Its lines
-/// are file,kind,name,r,g,b,note; a kind with commas stands in quotes.
+/// Returns the records of a kind from the shared images' REFERENCE_SH.csv, by file name: names and values, in its
+/// order. Its lines are file,kind,name,r,g,b,note; a kind with commas is quoted.
 inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> recorded_harmonics(
     const std::string& kind) {
   std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> found;
@@ -57,8 +57,8 @@ inline std::map<std::string, std::vector<std::pair<std::string, glm::dvec3>>> re
   return found;
 }
 
-/// What follows the header of a version 1 .npy file, which must name this type and shape, such as '<f4' and (128, 256,
-/// 3).
+/// Returns the data behind the header of a version 1 .npy file, which must name this type and shape, such as '<f4' and
+/// (128, 256, 3).
 template <class Value>
 std::vector<Value> npy_values(const std::filesystem::path& path, const std::string& type, const std::string& shape) {
   const std::string bytes = read_text(path);
@@ -73,7 +73,7 @@ std::vector<Value> npy_values(const std::filesystem::path& path, const std::stri
   return values;
 }
 
-/// The mean, over all pixels, of the gradient of log2 luminance: stops a pixel. Blur lowers it.
+/// Returns the mean, over all pixels, of the gradient of log2 luminance, in stops per pixel. Blur lowers it.
 inline double sharpness(const LatLongView& image) {
   const auto* const pixels = static_cast<const float*>(image.pixels);
   const auto stops = [&](int column, int row) {
@@ -92,7 +92,7 @@ inline double sharpness(const LatLongView& image) {
   return sum / (static_cast<double>(image.height - 1) * image.width);
 }
 
-/// A lat-long whose texels hold the function at their centres.
+/// Returns a lat-long whose texels hold the function at their centres.
 inline LatLongImage lat_long_of(int width, int height, const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
   LatLongImage image{width, height, {}};
   for (int row = 0; row < height; ++row) {
@@ -107,7 +107,7 @@ inline LatLongImage lat_long_of(int width, int height, const std::function<glm::
   return image;
 }
 
-/// Unit directions of the centres of a cubemap's texels, in the order of its pixels.
+/// Returns unit directions of the centres of a cubemap's texels, in the order of its pixels.
 inline std::vector<glm::dvec3> texel_centres(int size) {
   std::vector<glm::dvec3> centres;
   for (int row = 0; row < 6 * size; ++row) {
@@ -117,7 +117,7 @@ inline std::vector<glm::dvec3> texel_centres(int size) {
   return centres;
 }
 
-/// A cubemap of one level, the same.
+/// Returns a cubemap of one mip whose texels hold the function at their centres.
 inline Cubemap cubemap_of(int size, const std::function<glm::dvec3(const glm::dvec3&)>& radiance) {
   std::vector<float> pixels;
   for (const glm::dvec3& centre : texel_centres(size)) {
@@ -127,7 +127,7 @@ inline Cubemap cubemap_of(int size, const std::function<glm::dvec3(const glm::dv
   return {size, pixels};
 }
 
-/// Noise of 0.5 to 1, and a coloured disc three texels wide that reaches 50 000.
+/// Returns noise of 0.5 to 1, and a coloured disc three texels wide that reaches 50 000.
 inline Cubemap sun_chain(int size) {
   Cubemap sky(size, 1);
   std::uint32_t state = 7;

@@ -1,5 +1,5 @@
-// Jobs of workers: threads held where a test wants them, what became of a future, waiting that ends, threads that a
-// test lends, and a coroutine that nobody waits for.
+// Helpers for jobs of workers: threads held at a given point, outcomes of futures, bounded waits, threads lent by a
+// test, and a coroutine that is never awaited.
 #pragma once
 
 #include <tbb/task_arena.h>
@@ -10,10 +10,10 @@
 
 namespace welkin::test {
 
-/// Far beyond anything that a test waits for, sanitizers and a busy machine included.
+/// Far longer than any wait of a test, sanitizers and a busy machine included.
 inline constexpr std::chrono::seconds kPatience{120};
 
-/// Waits until `condition()` holds; false if it never does.
+/// Waits until `condition()` holds; returns false on timeout.
 template <class Condition>
 bool eventually(const Condition& condition) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -24,20 +24,20 @@ bool eventually(const Condition& condition) {
   return true;
 }
 
-/// Nobody can unwind a hang: other threads use what this one's stack owns. The program ends, and Catch2 says where.
+/// A hang cannot be unwound: other threads use objects on this one's stack. Ends the program, and Catch2 says where.
 [[noreturn]] inline void give_up(const char* what) {
   std::fprintf(stderr, "hangs: %s\n", what);
   std::abort();
 }
 
-/// What the future gives, or throws.
+/// Returns the future's result, or throws its exception.
 template <class Result>
 Result take(std::future<Result> future) {
   if (future.wait_for(kPatience) != std::future_status::ready) give_up("a future");
   return future.get();
 }
 
-/// "result", the name of an Error's code, "bad_alloc", "broken promise", or what another exception says.
+/// Returns "result", the name of an Error's code, "bad_alloc", "broken promise", or another exception's message.
 template <class Call>
 std::string outcome_of(const Call& call) {
   try {
@@ -61,7 +61,7 @@ std::string outcome(std::future<Result> future) {
   return outcome_of([&] { static_cast<void>(take(std::move(future))); });
 }
 
-/// What the job gives, or throws.
+/// Returns the job's result, or throws its exception.
 template <class Result>
 Result take(Job<Result>& job) {
   if (job.valid() && !eventually([&] { return job.ready(); })) give_up("a job");
@@ -81,12 +81,12 @@ std::string outcome(Job<Result>&& job) {
   return outcome(job);
 }
 
-/// A request that runs until it is told to stop, awake all the time.
+/// A request that spins until a stop is requested.
 inline void run_until_stopped(const Control& control) {
   while (!control.stop.stop_requested()) std::this_thread::yield();
 }
 
-/// Holds those who pass until it is open.
+/// Holds arriving threads until it is open.
 class Gate {
  public:
   void open() noexcept { open_.store(true, std::memory_order_release); }
@@ -97,7 +97,7 @@ class Gate {
     while (!is_open()) std::this_thread::yield();
   }
 
-  /// How many came to the gate so far.
+  /// The number of arrivals so far.
   [[nodiscard]] int arrived() const noexcept { return inside_.load(std::memory_order_acquire); }
 
   void wait_for_arrivals(int count) const {
@@ -109,7 +109,7 @@ class Gate {
   std::atomic<int> inside_{0};
 };
 
-/// A job that runs by now, and goes on until it is stopped.
+/// Returns a job that has begun to run and continues until it is stopped.
 inline Job<int> running_job(Worker& worker, const PostOptions& options = {}) {
   const auto gate = std::make_shared<Gate>();
   gate->open();
@@ -128,14 +128,14 @@ inline Job<int> post_value(Worker& worker, int value, const PostOptions& options
   return worker.post([value](const Control&) { return value; }, options);
 }
 
-/// Threads of its own, as strong as the test's: a machine that is busy elsewhere must not starve them.
+/// Options with own threads at the test's priority: a machine that is busy elsewhere must not starve them.
 inline WorkerOptions options_with(int threads, WorkerOptions others = {}) {
   others.threads = threads;
   others.thread_priority = ThreadPriority::normal;
   return others;
 }
 
-/// Keeps all threads of a worker busy until it is let go.
+/// Keeps all threads of a worker busy until it is released.
 class Hold {
  public:
   explicit Hold(Worker& worker, int threads = 1) : gate_(std::make_shared<Gate>()) {
@@ -179,10 +179,10 @@ inline WorkerOptions lent(std::shared_ptr<Executor> executor) { return {.executo
 inline WorkerOptions lent(tbb::task_arena& arena) { return lent(std::make_shared<ArenaExecutor>(arena)); }
 
 struct Detached {
-  /// How many have begun and not ended. A test that leaks one sees it here.
+  /// The number that have begun and not ended: it shows a test that leaks one.
   inline static std::atomic<int> alive{0};
 
-  // NOLINTBEGIN(readability-convert-member-functions-to-static): the names are the language's
+  // NOLINTBEGIN(readability-convert-member-functions-to-static): the language defines the names
   struct promise_type {
     promise_type() { ++alive; }
     ~promise_type() { --alive; }

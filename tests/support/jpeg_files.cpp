@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-// Its own after those.
+// This header requires the ones above.
 #include <jpeglib.h>
 
 namespace welkin::test {
@@ -69,7 +69,7 @@ std::vector<char> jpeg_bytes(const JpegRecipe& recipe, const std::vector<std::ui
   jpeg_finish_compress(&compress);
   jpeg_destroy_compress(&compress);
   std::vector<char> file(bytes, bytes + count);
-  std::free(bytes);  // libjpeg's, by malloc
+  std::free(bytes);  // allocated by libjpeg with malloc
   return file;
 }
 

@@ -1,4 +1,4 @@
-// KTX textures of both versions, made on the spot by code that knows nothing of the writer.
+// KTX textures of both versions, written by code independent of the library's writer.
 #pragma once
 
 #include <cstddef>
@@ -18,17 +18,17 @@ inline void append_words(std::vector<std::byte>& bytes, const std::vector<std::u
   for (const std::uint32_t value : values) append_value(bytes, value);
 }
 
-/// What a texture's header says.
+/// The contents of a texture's header.
 struct KtxKind {
-  std::uint32_t format;     ///< VkFormat, or of KTX1 glType
-  std::uint32_t type_size;  ///< of KTX1 glFormat
+  std::uint32_t format;     ///< VkFormat, or glType for KTX1
+  std::uint32_t type_size;  ///< glFormat for KTX1
   std::uint32_t width;
   std::uint32_t height;
   std::uint32_t elements;  ///< 0: no array
   std::uint32_t faces;
 };
 
-/// A KTX2 file, level 0 first in `levels`.
+/// Returns a KTX2 file; level 0 comes first in `levels`.
 inline std::vector<std::byte> ktx2_bytes(const KtxKind& kind, const std::vector<std::vector<std::byte>>& levels) {
   std::vector<std::byte> bytes;
   for (const int value : {0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32, 0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A})
@@ -46,7 +46,7 @@ inline std::vector<std::byte> ktx2_bytes(const KtxKind& kind, const std::vector<
   return bytes;
 }
 
-/// A KTX file of the first version, little-endian.
+/// Returns a KTX file of the first version, little-endian.
 inline std::vector<std::byte> ktx1_bytes(const KtxKind& kind, std::uint32_t internal,
                                          const std::vector<std::vector<std::byte>>& levels,
                                          const std::string& note = "") {

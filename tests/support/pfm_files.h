@@ -1,4 +1,4 @@
-// PFM files, made on the spot.
+// PFM files, written by the tests.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace welkin::test {
 
-/// A PFM's bytes. `values`: width x height x (3 or 1), row 0 on top; `scale` as it is to be written, its sign
-/// telling the byte order of the pixels that follow.
+/// Returns a PFM's bytes. `values`: width x height x (3 or 1), row 0 on top; `scale` as it is written, its sign stating
+/// the byte order of the pixels that follow.
 inline std::vector<char> pfm_bytes(int width, int height, bool grey, const std::string& scale,
                                    const std::vector<float>& values) {
   const std::string header = std::string(grey ? "Pf" : "PF") + "\n" + std::to_string(width) + " " +

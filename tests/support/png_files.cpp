@@ -13,7 +13,7 @@ void check(int result) {
   }
 }
 
-// libspng takes rows as they stand in a PNG, but for the byte order of 16-bit samples, which is the machine's.
+// libspng takes rows as a PNG stores them, except that 16-bit samples have the machine's byte order.
 std::vector<std::uint8_t> packed(const PngRecipe& recipe, const std::vector<std::uint16_t>& samples) {
   std::vector<std::uint8_t> bytes;
   const auto row_samples = static_cast<std::size_t>(recipe.width * png_channels(recipe));

@@ -1,4 +1,4 @@
-// PNG files of every kind, made on the spot with libspng's writer.
+// PNG files of every kind, written with libspng.
 #pragma once
 
 #include <spng.h>
@@ -22,23 +22,23 @@ struct PngRecipe {
   std::optional<spng_chrm_int> primaries{};
 };
 
-/// Samples a texel.
+/// Returns the number of samples per texel.
 int png_channels(const PngRecipe& recipe);
 
-/// Samples at random, within the recipe's depth and palette: height x width x channels.
+/// Returns random samples within the recipe's depth and palette: height x width x channels.
 std::vector<std::uint16_t> some_samples(const PngRecipe& recipe, unsigned seed = 1);
 
-/// A file's bytes.
+/// Returns a file's bytes.
 std::vector<char> png_bytes(const PngRecipe& recipe, const std::vector<std::uint16_t>& samples);
 
-/// CRC-32 as in the PNG specification, annex D.
+/// Returns CRC-32 as in the PNG specification, annex D.
 std::uint32_t png_checksum(const char* bytes, std::size_t count);
 
-/// The file with a chunk put in after its header. Its checksum is wrong: for chunks that nobody is to look at, and for
-/// damage.
+/// Returns the file with a chunk inserted after its header. Its checksum is wrong: for chunks that a reader must not
+/// examine, and for damage.
 std::vector<char> with_png_chunk(std::vector<char> file, const std::string& type, const std::string& data);
 
-/// The file with another size in its header, and the header's checksum made right.
+/// Returns the file with another size in its header and the header's checksum corrected.
 std::vector<char> with_png_size(std::vector<char> file, std::uint32_t width, std::uint32_t height);
 
 }  // namespace welkin::test

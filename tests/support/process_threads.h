@@ -1,20 +1,19 @@
-// The threads of this process, as the system has them, work on several at once, and the functions of the libraries that
-// it has loaded.
+// This process's threads as the system reports them, work on several threads, and functions of loaded libraries.
 #pragma once
 
 #include "support/catch.h"
 
 namespace welkin::test {
 
-/// The system's numbers of all threads that there are.
+/// Returns the system's numbers of all threads of the process.
 [[nodiscard]] std::set<int> process_threads();
 
-/// Empty if the thread is gone, or the system names none.
+/// Returns a thread's name; empty if the thread is gone or the system has no names.
 [[nodiscard]] std::string thread_name(int thread);
 
 [[nodiscard]] std::string this_threads_name();
 
-/// Those that were not there `before`.
+/// Returns the threads that are not in `before`.
 [[nodiscard]] inline std::set<int> threads_since(const std::set<int>& before) {
   std::set<int> since;
   for (const int thread : process_threads()) {
@@ -23,7 +22,7 @@ namespace welkin::test {
   return since;
 }
 
-/// Calls `work(0)` to `work(count - 1)`, each on a thread of its own, and waits for all.
+/// Calls `work(0)` to `work(count - 1)`, each on a separate thread, and waits for all.
 template <class Work>
 void on_threads(std::size_t count, const Work& work) {
   std::vector<std::thread> threads;
@@ -31,7 +30,7 @@ void on_threads(std::size_t count, const Work& work) {
   for (std::thread& thread : threads) thread.join();
 }
 
-/// A function of C that one of the libraries has; null: none does.
+/// Returns a C function of a loaded library, or null if none has it.
 [[nodiscard]] void* loaded_function(const char* name);
 
 }  // namespace welkin::test

@@ -1,6 +1,6 @@
 #include "platform/windows_system.h"
 #include "support/process_threads.h"
-// After Windows' own header.
+// After Windows' main header.
 #include <psapi.h>
 #include <tlhelp32.h>
 

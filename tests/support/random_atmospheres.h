@@ -1,5 +1,5 @@
-// Seeded atmospheres from the whole range that `check` accepts and the issue names: tiny and giant planets, no air and
-// a thousand Earths' of it, lobes of any sharpness.
+// Seeded atmospheres over the whole range that `check` accepts: tiny and giant planets, from no air to a thousand times
+// the Earth's, lobes of any sharpness.
 #pragma once
 
 #include "support/catch.h"
@@ -12,10 +12,10 @@ class RandomAtmospheres {
  public:
   explicit RandomAtmospheres(std::uint32_t seed) : engine_(seed) {}
 
-  /// In [0, 1).
+  /// Returns a number in [0, 1).
   double number() { return static_cast<double>(engine_()) * 0x1p-32; }
   double between(double low, double high) { return low + (high - low) * number(); }
-  /// Even in the logarithm.
+  /// Returns a number whose logarithm is uniform.
   double scale(double low, double high) { return low * std::pow(high / low, number()); }
   bool chance(double share) { return number() < share; }
   int whole(int low, int high) { return low + static_cast<int>(engine_() % static_cast<unsigned>(high - low + 1)); }
@@ -44,7 +44,7 @@ class RandomAtmospheres {
     if (chance(0.8)) air.ground_albedo = values([this] { return chance(0.1) ? 1.0 : number(); });
     air.solar_irradiance = values([this] { return chance(0.05) ? 0.0 : scale(1e-3, 1e4); });
     air.sun_angular_radius_degrees = chance(0.2) ? 0.0 : scale(0.01, 10.0);
-    // By a copy: what is drawn next must not depend on it.
+    // Uses a copy: later draws must not depend on it.
     RandomAtmospheres apart = *this;
     if (apart.chance(0.3)) air.aerosol_asymmetries = values([&] { return apart.between(-0.8, 0.999); });
     return air;
@@ -58,7 +58,7 @@ class RandomAtmospheres {
     return result;
   }
 
-  /// Vertical optical depths from next to nothing to a thousand Earths'.
+  /// Vertical optical depths from almost zero to a thousand times the Earth's.
   std::vector<double> coefficients(double scale_height) {
     if (chance(0.1)) return {};
     const double depth = chance(0.1) ? 0.0 : scale(1e-6, 300.0);
@@ -82,7 +82,7 @@ class RandomAtmospheres {
     return matter;
   }
 
-  /// Anything goes: slabs, formulas that leave 0 to 1 and come back, layers of no thickness.
+  /// Layers without restriction: slabs, formulas that leave 0 to 1 and come back, layers of no thickness.
   std::vector<DensityLayer> layers(double scale_height) {
     std::vector<DensityLayer> result(static_cast<std::size_t>(whole(1, 8)));
     for (DensityLayer& layer : result) {

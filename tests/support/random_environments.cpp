@@ -23,7 +23,7 @@ void fill(const image::TexelGrid& grid, std::span<float> pixels,
   }
 }
 
-/// A rectangle of texels that shines.
+/// A bright rectangle of texels.
 struct Panel {
   int column;
   int row;
@@ -83,7 +83,7 @@ RandomEnvironments::Radiance RandomEnvironments::gradient(double strength) {
   };
 }
 
-/// A value a texel, of a generator of its own.
+/// One value per texel, from a separate generator.
 RandomEnvironments::Radiance RandomEnvironments::noise(double strength) {
   const auto generator = std::make_shared<std::mt19937>(engine_());
   const double power = chance(0.5) ? 1.0 : between(1.0, 8.0);
@@ -166,7 +166,7 @@ RandomEnvironments::Radiance RandomEnvironments::environment(double size) {
   return [=](const glm::dvec3& d, double u, double v) { return base + one(d, u, v) + two(d, u, v); };
 }
 
-/// Columns and rows change by turns; one of the two periods may be endless.
+/// Columns and rows change alternately; one of the two periods may be infinite.
 RandomEnvironments::Radiance RandomEnvironments::checkers(int rows) {
   const int period = chance(0.4) ? 1 : whole(1, std::max(1, rows / 3));
   const bool stripes = chance(0.3);
@@ -258,7 +258,7 @@ LatLongImage RandomEnvironments::lat_long(Family family, int width, int height) 
 
 Cubemap RandomEnvironments::cubemap(int least_size, int most_size) {
   int size = whole(least_size, most_size);
-  if (chance(0.4)) {  // of a power of two, as most are
+  if (chance(0.4)) {  // a power of two, as most sizes are
     int power = 1;
     while (2 * power <= size) power *= 2;
     if (power >= least_size) size = power;

@@ -12,14 +12,14 @@
 
 namespace welkin::test {
 
-/// Environments that deceived estimates once, each at any strength.
+/// Environments whose error estimates were too low once, each at any strength.
 enum class Family {
-  uniform,     ///< of one colour, now and then but for a millionth
-  checkers,    ///< of texels or blocks of any period
-  lamps,       ///< up to three texels of 1e4 to 1e8 over an even or soft background
+  uniform,     ///< one colour, occasionally with differences of a millionth
+  checkers,    ///< texels or blocks of any period
+  lamps,       ///< up to three texels of 1e4 to 1e8 over a uniform or smooth background
   half_black,  ///< one half of the sphere is 0; a lamp anywhere
-  log_normal,  ///< noise of up to sigma 4, a value a texel
-  studio,      ///< up to four panels of up to 8 x 8 texels of 10 to 1e5 over an even background
+  log_normal,  ///< noise of up to sigma 4, one value per texel
+  studio,      ///< up to four panels of up to 8 x 8 texels of 10 to 1e5 over a uniform background
   count,
 };
 [[nodiscard]] const char* name(Family family) noexcept;
@@ -28,28 +28,28 @@ class RandomEnvironments {
  public:
   explicit RandomEnvironments(std::uint32_t seed) : engine_(seed) {}
 
-  /// Edge of a face drawn from `sizes`' span, odd ones too. What it is made of is said in `description()`.
+  /// Draws a cubemap whose face size lies in the given range, odd sizes included. `description()` states its contents.
   [[nodiscard]] Cubemap cubemap(int least_size, int most_size);
-  /// Twice as wide as high as a rule, now and then of another shape.
+  /// Draws a lat-long, usually twice as wide as high, occasionally of another shape.
   [[nodiscard]] LatLongImage lat_long(int least_height, int most_height);
 
-  /// Those of a family.
+  /// Draw an environment of a family.
   [[nodiscard]] Cubemap cubemap(Family family, int size);
   [[nodiscard]] LatLongImage lat_long(Family family, int width, int height);
 
-  /// Of the last one: kinds and size.
+  /// Describes the last environment drawn: kinds and size.
   [[nodiscard]] const std::string& description() const noexcept { return description_; }
 
   double number() { return static_cast<double>(engine_()) * 0x1p-32; }  ///< in [0, 1)
   double between(double low, double high) { return low + (high - low) * number(); }
-  double scale(double low, double high);  ///< even in the logarithm
+  double scale(double low, double high);  ///< its logarithm is uniform
   bool chance(double share) { return number() < share; }
   int whole(int low, int high) { return low + static_cast<int>(engine_() % static_cast<unsigned>(high - low + 1)); }
   glm::dvec3 direction();
   glm::dvec3 colour();
 
  private:
-  /// Radiance towards a direction; (u, v) in texels are for patterns that follow the image's own rows and columns.
+  /// Radiance towards a direction; (u, v), in texels, are for patterns aligned with the image's rows and columns.
   using Radiance = std::function<glm::dvec3(const glm::dvec3& direction, double u, double v)>;
 
   Radiance part(double size);

@@ -1,4 +1,4 @@
-// Seeded coefficients, directions and turns for property tests.
+// Seeded coefficients, directions and rotations for property tests.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +13,14 @@
 
 namespace welkin::test {
 
-/// The coefficients of a uniform environment.
+/// Returns the coefficients of a uniform environment.
 inline SphericalHarmonics constant_radiance(const glm::dvec3& radiance, int bands = 1) {
   SphericalHarmonics harmonics(bands);
   harmonics.at(0, 0) = radiance * std::sqrt(4.0 * std::numbers::pi);
   return harmonics;
 }
 
-/// All 48 signed permutations of the axes.
+/// Returns all 48 signed permutations of the axes.
 inline std::vector<glm::dmat3> cube_symmetries() {
   std::vector<glm::dmat3> all;
   int order[3] = {0, 1, 2};
@@ -38,7 +38,7 @@ class RandomLight {
  public:
   explicit RandomLight(std::uint32_t seed) : engine_(seed) {}
 
-  /// In [-1, 1).
+  /// Returns a number in [-1, 1).
   double number() { return static_cast<double>(engine_()) * 0x1p-31 - 1.0; }
 
   glm::dvec3 colour() {
@@ -55,7 +55,7 @@ class RandomLight {
     }
   }
 
-  /// Of unit length, all turns equally likely.
+  /// Returns a unit quaternion; all rotations are equally likely.
   glm::dquat rotation() {
     for (;;) {
       const glm::dvec3 v = colour();
@@ -74,7 +74,7 @@ class RandomLight {
   std::mt19937 engine_;
 };
 
-/// The coefficients of light of irradiance `colour` from one direction.
+/// Returns the coefficients of light of irradiance `colour` from one direction.
 inline SphericalHarmonics point_light(const glm::dvec3& direction, const glm::dvec3& colour, int bands) {
   SphericalHarmonics result(bands);
   std::vector<double> basis(result.coefficients().size());

@@ -31,7 +31,7 @@ std::string digits(std::uint64_t hash) {
   return text;
 }
 
-/// Restores the instruction set that it found.
+/// Restores the instruction set that was active before.
 class KeptInstructionSet {
  public:
   KeptInstructionSet() = default;
@@ -47,7 +47,7 @@ class KeptInstructionSet {
 void check_everywhere(const std::string& full_name, const NamedResult& result, const std::string& expected) {
   const std::vector<InstructionSet> sets = available_instruction_sets();
   std::vector<std::pair<InstructionSet, int>> ways{{sets.front(), 1}, {sets.back(), 5}};
-  // With memory filled with NaN what counts is who reads it: no more with 2 threads than with all and with 5.
+  // With memory filled with NaN only reads matter: 2 threads show no fewer of them than all or 5.
   if (std::getenv("WELKIN_TEST_FILL_MEMORY") == nullptr) ways.emplace_back(sets.back(), 2);
   const KeptInstructionSet kept;
   for (const auto& [set, threads] : ways) {

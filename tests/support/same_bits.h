@@ -16,7 +16,7 @@ bool same_bytes(std::span<const Value> a, std::span<const Value> b) {
 inline bool same_bits(const glm::dvec3& a, const glm::dvec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 inline bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// `wanted` against as many values from `found` on.
+/// Compares `wanted` with as many values from `found` on.
 inline bool same_bits(std::span<const float> wanted, const float* found) {
   return std::memcmp(wanted.data(), found, wanted.size() * sizeof(float)) == 0;
 }
@@ -29,7 +29,7 @@ inline bool same_pixels(const ProjectionDiagnostics& a, const ProjectionDiagnost
          same_bits(a.total_radiance, b.total_radiance) && same_bits(a.error_estimate, b.error_estimate);
 }
 
-/// All but the passes.
+/// Compares everything except the passes.
 inline bool same_light(const Projection& a, const Projection& b) {
   return same_bytes(a.radiance.coefficients(), b.radiance.coefficients()) && same_pixels(a.diagnostics, b.diagnostics);
 }
@@ -49,7 +49,7 @@ inline bool same_bits(const LatLongImage& a, const LatLongImage& b) {
   return a.width == b.width && a.height == b.height && same_bytes<float>(a.pixels, b.pixels);
 }
 
-/// All pixels of an image, or of six faces.
+/// Returns all pixels of an image, or of six faces.
 inline std::span<const float> values_of(const Environment& read) {
   const auto face = static_cast<std::size_t>(read.face_size());
   const std::size_t image = static_cast<std::size_t>(read.info.width) * static_cast<std::size_t>(read.info.height);

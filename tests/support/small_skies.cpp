@@ -26,7 +26,7 @@ SkyTableOptions tiny_tables() {
 }
 
 std::shared_ptr<const SkyTables> small_earth() {
-  // these two orders, and no estimate of others
+  // exactly these two orders, without an estimate of the others
   static const auto tables = sky_tables_of(earth_bruneton(), {.heights = 8, .orders = 2, .truncate_orders = true});
   return tables;
 }

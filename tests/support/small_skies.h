@@ -1,4 +1,4 @@
-// Tables that are made once for all tests of views and harmonics.
+// Tables that are built once for all tests of views and harmonics.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -9,20 +9,20 @@
 
 namespace welkin::test {
 
-/// Bruneton's Earth, two orders, at the default sizes along zeniths and suns; few heights.
+/// Returns Bruneton's Earth, two orders, at the default sizes along zeniths and suns, with few heights.
 [[nodiscard]] std::shared_ptr<const SkyTables> small_earth();
 
-/// Tables of an atmosphere, to share among views.
+/// Returns tables of an atmosphere, to share among views.
 [[nodiscard]] std::shared_ptr<const SkyTables> sky_tables_of(const Atmosphere& atmosphere,
                                                              const SkyTableOptions& options = {});
-/// The sky of an atmosphere, seen from an altitude.
+/// Returns the sky of an atmosphere, seen from an altitude.
 [[nodiscard]] SkyView sky_view_of(const Atmosphere& atmosphere, const SkyTableOptions& options = {},
                                   double altitude_m = 0.0);
 
-/// Sizes that take milliseconds.
+/// Returns table sizes that take milliseconds.
 [[nodiscard]] SkyTableOptions tiny_tables();
 
-/// |a - b| / |b|, the worst channel; |a| where b is black.
+/// Returns |a - b| / |b| of the worst channel; |a| where b is black.
 [[nodiscard]] double relative_difference(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b);
 
 }  // namespace welkin::test

@@ -7,7 +7,7 @@ namespace welkin::test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Solid angle of the face's rectangle from the middle to (u, v).
+/// Returns the solid angle of the face's rectangle from the middle to (u, v).
 double corner(double u, double v) { return std::atan2(u * v, std::sqrt(u * u + v * v + 1.0)); }
 
 struct Disc {
@@ -21,9 +21,9 @@ struct Coverage {
   double all = 0.0;
 };
 
-/// Adds up the rectangle of a texel from (x, y), `edge` wide and high (a texel being 1), by parts that lie in the disc
-/// or outside in whole; what is still cut by the rim when 1/128 wide goes to where its middle is.
-/// `place(right, down)` gives a direction, `density(direction)` its share of solid angle.
+/// Sums the rectangle of a texel from (x, y), `edge` wide and high (a texel being 1), by parts that lie wholly in the
+/// disc or wholly outside. A part that the rim still cuts at a width of 1/128 counts by its middle. `place(right,
+/// down)` gives a direction, `density(direction)` its share of solid angle.
 template <class Place, class Density>
 void cover(const Disc& disc, const Place& place, const Density& density, double x, double y, double edge,
            Coverage& sum) {
@@ -50,7 +50,7 @@ void blend_texel(float* rgb, const Disc& disc, const Place& place, const Density
   for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>((1.0 - share) * rgb[c] + share * disc.radiance[c]);
 }
 
-/// Calls paint(texel) for all whose centre is so near that the disc may reach them. `texel_degrees`: the longest edge.
+/// Calls paint(texel) for all texels that the disc may reach, by their centres. `texel_degrees`: the longest edge.
 template <class Paint>
 void for_texels_near(const image::TexelGrid& grid, const glm::dvec3& direction, double radius_degrees,
                      double texel_degrees, const Paint& paint) {

@@ -1,4 +1,4 @@
-// A directory for a test's files, gone when the test is over.
+// A directory for a test's files, removed when the test ends.
 #pragma once
 
 #include <unistd.h>
@@ -36,13 +36,13 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-/// The path of a file that a test will write, in a directory of its own.
+/// The path of a file that a test will write, in a separate directory.
 class TemporaryFile : private TemporaryDirectory, public std::filesystem::path {
  public:
   explicit TemporaryFile(const std::string& name) : std::filesystem::path(file(name)) {}
 };
 
-/// All that is in a folder, in any order.
+/// Returns everything in a folder, in any order.
 inline std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
@@ -59,7 +59,7 @@ inline void write_bytes(const std::filesystem::path& path, const std::vector<cha
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-/// The number, of the processor's byte order, that lies at `offset` in a file's bytes.
+/// Returns the number, in the processor's byte order, at `offset` in a file's bytes.
 template <class Number = std::uint32_t, class Bytes>
 Number number_at(const Bytes& bytes, std::size_t offset) {
   static_assert(sizeof(*bytes.data()) == 1);
@@ -69,7 +69,7 @@ Number number_at(const Bytes& bytes, std::size_t offset) {
   return number;
 }
 
-/// Empty if there is no such file.
+/// Returns a file's text; empty if there is no such file.
 inline std::string read_text(const std::filesystem::path& path) {
   const std::vector<char> bytes = read_bytes(path);
   return {bytes.begin(), bytes.end()};

@@ -42,7 +42,7 @@ constexpr std::array<std::pair<Content, std::string_view>, 11> kNames{{
     {Content::one_texel_sun, "one_texel_sun"},
 }};
 
-/// Bijection of 32 bits in which every input bit reaches every output bit.
+/// A bijection of 32 bits in which every input bit affects every output bit.
 std::uint32_t mixed(std::uint32_t z) {
   z = (z ^ (z >> 16)) * 0x21f0aaadU;
   z = (z ^ (z >> 15)) * 0x735a2d97U;
@@ -87,11 +87,11 @@ Vector with_sun(Vector colour, const Vector& direction, double peak, double widt
   return colour;
 }
 
-/// The share of odd values: dense enough that six texels have some, and thin enough on larger environments that a
-/// reduction to 8 x 8 does not find a NaN in every block.
+/// Returns the fraction of odd values: large enough that six texels have some, and small enough on larger environments
+/// that a reduction to 8 x 8 does not find a NaN in every block.
 double odd_share(std::uint32_t texels) { return texels < 2000 ? 0.15 : 0.005; }
 
-/// Noise in which a share of the values is drawn from `list`.
+/// Returns noise in which a fraction of the values is drawn from `list`.
 template <std::size_t Count>
 double sprinkled(std::uint32_t seed, std::uint32_t counter, double share, const std::array<double, Count>& list) {
   const double value = noise(seed, counter);
@@ -99,12 +99,12 @@ double sprinkled(std::uint32_t seed, std::uint32_t counter, double share, const 
   return list[static_cast<std::size_t>(noise(seed, counter + 0x40000000U) * static_cast<double>(Count))];
 }
 
-/// Where a texel is, as far as content depends on it.
+/// A texel's position, as far as content depends on it.
 struct FacePoint {
   Vector direction;
-  std::uint32_t texel;   ///< its number in the environment
-  std::uint32_t texels;  ///< how many there are
-  std::uint32_t cell;    ///< the number of its constant square
+  std::uint32_t texel;   ///< its index in the environment
+  std::uint32_t texels;  ///< the number of texels
+  std::uint32_t cell;    ///< the index of its constant square
 };
 
 Vector radiance(Content content, std::uint32_t seed, const FacePoint& at) {
@@ -194,10 +194,10 @@ BasicTestCubemap<Channel> cubemap(Content content, int size, int channels, std::
   return map;
 }
 
-/// Near sin(pi t / 2) for t in [-1, 1]: the parabolas that agree with it at -1, 0 and 1.
+/// Approximates sin(pi t / 2) for t in [-1, 1]: the parabolas that agree with it at -1, 0 and 1.
 double near_sine(double t) { return t * (2.0 - (t < 0.0 ? -t : t)); }
 
-/// Near the texel's own direction, unit length to within rounding.
+/// Approximates the texel's direction; unit length to within rounding.
 Vector lat_long_direction(double column_fraction, double row_fraction) {
   const double y = near_sine(1.0 - 2.0 * row_fraction);
   const double ring = std::sqrt(1.0 - y * y);

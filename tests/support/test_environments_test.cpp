@@ -1,4 +1,4 @@
-// Promise: the seeded environments are what their header says, the same bits everywhere. (Cubemaps are also held
+// Promise: the seeded environments are as their header states, bit-identical everywhere. (Cubemaps are also checked
 // against their JavaScript twin: every recorded Babylon.js case carries a checksum.)
 #include "support/test_environments.h"
 

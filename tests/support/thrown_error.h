@@ -13,7 +13,7 @@ struct ThrownError {
   [[nodiscard]] bool says(const std::string& words) const { return message.find(words) != std::string::npos; }
 };
 
-/// Fails the test if the call throws nothing or something else.
+/// Returns the error that the call throws. Fails the test if it throws nothing or something else.
 template <typename Call>
 ThrownError thrown_by(const Call& call) {
   try {
@@ -25,7 +25,7 @@ ThrownError thrown_by(const Call& call) {
   return {};
 }
 
-/// Checks that the call throws an error of this code that says all of these words.
+/// Checks that the call throws an error of this code whose message contains all of these words.
 template <typename Call>
 void check_thrown(const Call& call, ErrorCode code, std::initializer_list<std::string> words = {}) {
   const ThrownError error = thrown_by(call);

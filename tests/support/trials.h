@@ -1,5 +1,5 @@
-// How much of a large set of cases a test looks at: a fixed sample, unless WELKIN_RANDOM_TRIALS asks for more
-// (`scripts/test --all`), and less under a sanitizer.
+// The number of cases that a test takes from a large set: a fixed sample, more with WELKIN_RANDOM_TRIALS set
+// (`scripts/test --all`), and fewer under a sanitizer.
 #pragma once
 
 #include "support/catch.h"
@@ -12,7 +12,7 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// Whether leaks are looked for.
+/// Whether the build checks for leaks.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kAddressSanitized = true;
 #else

@@ -1,4 +1,4 @@
-// An .env with WebP images, made of one with PNG images.
+// An .env with WebP images, made from one with PNG images.
 #pragma once
 
 #include <webp/encode.h>
@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-/// The same file with each image coded again, without loss. `png_env`: as `write_babylon_environment` writes it.
+/// Returns the file with each image encoded again, without loss. `png_env`: as `write_babylon_environment` writes it.
 inline std::vector<char> with_webp_images(const std::vector<char>& png_env) {
   const auto end = std::find(png_env.begin() + 8, png_env.end(), '\0');
   nlohmann::ordered_json manifest = nlohmann::ordered_json::parse(png_env.begin() + 8, end);
