@@ -344,6 +344,20 @@ std::vector<glm::dvec3> normals(int count) {
   return result;
 }
 
+/// Green irradiance by the plain sum over all texels.
+std::vector<double> green_irradiance(const LatLongImage& image, const std::vector<glm::dvec3>& facing) {
+  const image::TexelGrid grid = grid_of(image);
+  std::vector<double> result(facing.size());
+  std::vector<double> steradians(static_cast<std::size_t>(image.width));
+  for (std::int64_t texel = 0; texel < grid.texels(); ++texel) {
+    if (texel % image.width == 0) grid.solid_angles(static_cast<int>(texel / image.width), steradians);
+    const double light = steradians[0] * image.pixels[static_cast<std::size_t>(3 * texel + 1)];
+    const glm::dvec3 direction = grid.direction(texel);
+    for (std::size_t i = 0; i < facing.size(); ++i) result[i] += light * std::max(0.0, glm::dot(direction, facing[i]));
+  }
+  return result;
+}
+
 /// Root mean square error over that of the truth.
 double relative_rms(const std::vector<double>& found, const std::vector<double>& truth) {
   double error = 0.0;
@@ -362,8 +376,7 @@ struct Improvement {
 
 Improvement improvement(const LatLongImage& before, const LatLongImage& after, const Sun& sun, int count) {
   const std::vector<glm::dvec3> facing = normals(count);
-  std::vector<double> truth;
-  for (const glm::dvec3& irradiance : direct_irradiance(before.view(), facing)) truth.push_back(irradiance.g);
+  const std::vector<double> truth = green_irradiance(before, facing);
   const SphericalHarmonics whole = irradiance_from_radiance(project(before.view()).radiance);
   const SphericalHarmonics rest = irradiance_from_radiance(project(after.view()).radiance);
   std::vector<double> in_map;

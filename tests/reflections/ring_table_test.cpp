@@ -15,7 +15,7 @@
 namespace welkin::test {
 namespace {
 
-using reflections::RingTable, reflections::RingTap;
+using reflections::kRecordFloats, reflections::kRingImages, reflections::RingTable, reflections::RingTap;
 
 std::vector<const float*> rows_of(const CubemapView& cube) {
   std::vector<const float*> rows;
@@ -41,6 +41,50 @@ double largest_difference(const SphericalHarmonics& a, const SphericalHarmonics&
 }
 
 }  // namespace
+
+TEST_CASE("Sums of a ring's taps are the same on all instruction sets", "[prefilter][rings][kernels]") {
+  constexpr int kRecords = 7;
+  constexpr int kTexels = 5;
+  alignas(64) std::array<float, std::size_t{kRecords} * kRecordFloats> records{};
+  for (std::size_t k = 0; k < records.size(); ++k) records[k] = static_cast<float>(k * 37 % 101) / 101.0F;
+  std::vector<RingTap> taps;
+  std::vector<std::uint32_t> ends{0};
+  for (std::uint32_t texel = 0; texel < kTexels; ++texel) {
+    for (std::uint32_t k = 0; k < texel; ++k)
+      taps.push_back({(3 * k + texel) % kRecords, 0.3F - 0.07F * static_cast<float>(k)});
+    ends.push_back(static_cast<std::uint32_t>(taps.size()));
+  }
+  for (const InstructionSet set : available_instruction_sets()) {
+    std::array<float, std::size_t{kTexels} * kRecordFloats> out{};
+    reflections::RingLayout layout{};
+    for (int k = 0; k < kRingImages; ++k) {
+      const bool back = k % 2 == 1;
+      layout.to[k] = out.data() + 3 * kTexels * k + (back ? 3 * (kTexels - 1) : 0);
+      layout.step[k] = back ? -3 : 3;
+    }
+    reflections::ring_kernels(set).sum_ring_taps({records.data(), taps.data(), ends.data(), kTexels}, layout);
+    for (int image = 0; image < kRingImages; ++image) {
+      for (int texel = 0; texel < kTexels; ++texel) {
+        for (int c = 0; c < 3; ++c) {
+          double exact = 0.0;
+          float sum = 0.0F;
+          for (std::uint32_t k = ends[static_cast<std::size_t>(texel)]; k < ends[static_cast<std::size_t>(texel) + 1];
+               ++k) {
+            const float value =
+                records[std::size_t{taps[k].record} * kRecordFloats + static_cast<std::size_t>(3 * image + c)];
+            exact += static_cast<double>(taps[k].weight) * static_cast<double>(value);
+            const float product = taps[k].weight * value;
+            sum += product;
+          }
+          const int position = image % 2 == 1 ? kTexels - 1 - texel : texel;
+          const float found = out[static_cast<std::size_t>(3 * (kTexels * image + position) + c)];
+          REQUIRE(found == sum);
+          REQUIRE(std::abs(static_cast<double>(found) - exact) < 3e-7);
+        }
+      }
+    }
+  }
+}
 
 TEST_CASE("Rings of latitude have a cubemap's harmonics", "[prefilter][rings]") {
   for (const int size : {1, 2, 3, 6, 9, 40}) {

@@ -1,6 +1,8 @@
 // Comparisons of numbers and spherical harmonics.
 #pragma once
 
+#include <limits>
+
 #include "support/catch.h"
 #include "support/same_bits.h"
 #include "welkin/spherical_harmonics.h"
@@ -12,8 +14,10 @@ inline bool close(double found, double wanted, double relative = 1e-12) {
   return std::abs(found - wanted) <= relative * std::abs(wanted);
 }
 
-/// Returns the norm of the difference over all coefficients and channels from band `first_band` on.
+/// Returns the norm of the difference over all coefficients and channels from band `first_band` on, infinity where `a`
+/// has another number of bands.
 inline double distance(const SphericalHarmonics& a, const SphericalHarmonics& truth, int first_band = 0) {
+  if (a.bands() != truth.bands()) return std::numeric_limits<double>::infinity();
   double sum = 0.0;
   for (std::size_t k = SphericalHarmonics::index(first_band, -first_band); k < truth.coefficients().size(); ++k) {
     const glm::dvec3 difference = a.coefficients()[k] - truth.coefficients()[k];
