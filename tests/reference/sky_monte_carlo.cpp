@@ -96,15 +96,15 @@ class MonteCarlo {
   };
 
   /// Light of all orders asked for that arrives from a direction, times `weight`.
-  void trace(PathPoint index, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
+  void trace(PathPoint point, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
     Spectrum weights;
     weights.fill(weight);
     for (int order = 1; order <= options_.highest_order; ++order) {
-      const AirRay ray = ray_from(index);
-      cut(ray, index, scratch.pieces);
-      if (order >= options_.lowest_order) add_sunlight(ray, index, weights, random, scratch.pieces, radiance);
+      const AirRay ray = ray_from(point);
+      cut(ray, point, scratch.pieces);
+      if (order >= options_.lowest_order) add_sunlight(ray, point, weights, random, scratch.pieces, radiance);
       if (order == options_.highest_order) return;
-      if (!go_on(ray, index, weights, random, scratch.pieces)) return;
+      if (!go_on(ray, point, weights, random, scratch.pieces)) return;
       const double most = *std::max_element(weights.begin(), weights.begin() + count());
       if (most < little_ * weight) {
         if (!(random.number() * little_ * weight < most)) return;
@@ -121,33 +121,33 @@ class MonteCarlo {
   [[nodiscard]] std::ptrdiff_t count() const { return static_cast<std::ptrdiff_t>(air_.wavelengths()); }
 
  private:
-  [[nodiscard]] AirRay ray_from(const PathPoint& index) const {
-    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, index.direction);
-    const double below = slope * slope - index.square;
+  [[nodiscard]] AirRay ray_from(const PathPoint& point) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + point.square) * glm::dot(point.up, point.direction);
+    const double below = slope * slope - point.square;
     if (slope < 0.0 && below > 0.0) {
-      return {index.square, slope, index.square / (std::sqrt(below) - slope), true};
+      return {point.square, slope, point.square / (std::sqrt(below) - slope), true};
     }
-    return air_.ray_to_top(index.square, slope);
+    return air_.ray_to_top(point.square, slope);
   }
 
-  [[nodiscard]] PathPoint moved(const PathPoint& index, const AirRay& ray, double s) const {
-    const double radius = std::sqrt(air_.radius() * air_.radius() + index.square);
+  [[nodiscard]] PathPoint moved(const PathPoint& point, const AirRay& ray, double s) const {
+    const double radius = std::sqrt(air_.radius() * air_.radius() + point.square);
     return {std::max(0.0, ray.square + s * (2.0 * ray.slope + s)),
-            glm::normalize(radius * index.up + s * index.direction), index.direction};
+            glm::normalize(radius * point.up + s * point.direction), point.direction};
   }
 
-  [[nodiscard]] double sun_share(const PathPoint& index) const {
-    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, sun_);
-    return air_.visible_share(air_.sun_elevation(index.square, slope));
+  [[nodiscard]] double sun_share(const PathPoint& point) const {
+    const double slope = std::sqrt(air_.radius() * air_.radius() + point.square) * glm::dot(point.up, sun_);
+    return air_.visible_share(air_.sun_elevation(point.square, slope));
   }
 
   /// Sunlight at a place, zero where the sun is down.
-  void sunlight(const PathPoint& index, Spectrum& light) const {
+  void sunlight(const PathPoint& point, Spectrum& light) const {
     light.fill(0.0);
-    const double share = sun_share(index);
+    const double share = sun_share(point);
     if (!(share > 0.0)) return;
-    const double slope = std::sqrt(air_.radius() * air_.radius() + index.square) * glm::dot(index.up, sun_);
-    const PathShells::Columns columns = shells_.columns(air_.sun_ray(index.square, slope));
+    const double slope = std::sqrt(air_.radius() * air_.radius() + point.square) * glm::dot(point.up, sun_);
+    const PathShells::Columns columns = shells_.columns(air_.sun_ray(point.square, slope));
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       light[i] = share * air_.atmosphere().solar_irradiance[i] * math::exponential(-air_.optical_depth(columns, i));
     }
@@ -173,49 +173,49 @@ class MonteCarlo {
 
   [[nodiscard]] double guess_square(double x) const { return air_.square_of(air_.thickness() * x * x); }
 
-  [[nodiscard]] double guess(const PathPoint& index) const {
-    const double share = sun_share(index);
+  [[nodiscard]] double guess(const PathPoint& point) const {
+    const double share = sun_share(point);
     if (!(share > 0.0)) return 0.0;
-    const double radius = std::sqrt(air_.radius() * air_.radius() + index.square);
-    const double horizon = std::sqrt(index.square);
-    const double x = std::sqrt(std::clamp(air_.altitude_of(index.square) / air_.thickness(), 0.0, 1.0));
+    const double radius = std::sqrt(air_.radius() * air_.radius() + point.square);
+    const double horizon = std::sqrt(point.square);
+    const double x = std::sqrt(std::clamp(air_.altitude_of(point.square) / air_.thickness(), 0.0, 1.0));
     const double above =
-        std::sqrt(std::clamp((radius * glm::dot(index.up, sun_) + horizon) / (radius + horizon), 0.0, 1.0));
+        std::sqrt(std::clamp((radius * glm::dot(point.up, sun_) + horizon) / (radius + horizon), 0.0, 1.0));
     const auto h = static_cast<std::size_t>(x * (kGuessHeights - 1) + 0.5);
     const auto k = static_cast<std::size_t>(above * (kGuessSuns - 1) + 0.5);
     return share * guess_[h * kGuessSuns + k];
   }
 
   /// Light that has been scattered grows like this towards where the sun has set less deep: a guess likewise.
-  [[nodiscard]] double dusk(const PathPoint& index) const {
-    const double elevation = std::asin(std::clamp(glm::dot(index.up, sun_), kFullNight, kDeepSun));
+  [[nodiscard]] double dusk(const PathPoint& point) const {
+    const double elevation = std::asin(std::clamp(glm::dot(point.up, sun_), kFullNight, kDeepSun));
     return math::exponential(kDusk * (elevation - std::asin(kDeepSun)));
   }
 
-  void cut(const AirRay& ray, const PathPoint& index, std::vector<Piece>& pieces) const {
+  void cut(const AirRay& ray, const PathPoint& point, std::vector<Piece>& pieces) const {
     pieces.clear();
     PathShells::Columns before{};
     double from = 0.0;
-    double lit_here = guess(index);
+    double lit_here = guess(point);
     for (sky::ShellWalk walk(shells_, ray);; walk.next()) {
       const int parts = std::max(1, static_cast<int>(std::ceil((walk.end() - from) / kLongestPiece)));
       const double step = (walk.end() - from) / parts;
       for (int part = 0; part < parts && step > 0.0; ++part) {
         const double low = from + part * step;
-        add_piece(ray, index, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, 0.0, before}, lit_here, before, pieces);
+        add_piece(ray, point, {walk.shell(), low, low + step, 0.0, 0.0, 1.0, 0.0, before}, lit_here, before, pieces);
       }
       from = walk.end();
       if (walk.last()) return;
     }
   }
 
-  void add_piece(const AirRay& ray, const PathPoint& index, Piece piece, double& lit_here, PathShells::Columns& before,
+  void add_piece(const AirRay& ray, const PathPoint& point, Piece piece, double& lit_here, PathShells::Columns& before,
                  std::vector<Piece>& pieces) const {
     const double step = piece.to - piece.from;
     const PathShells::Columns inside = shells_.columns(ray, piece.shell, piece.from, piece.to);
     const double lit_before = lit_here;
-    lit_here = guess(moved(index, ray, piece.to));
-    const PathPoint middle = moved(index, ray, piece.from + 0.5 * step);
+    lit_here = guess(moved(point, ray, piece.to));
+    const PathPoint middle = moved(point, ray, piece.from + 0.5 * step);
     const double lit = 0.25 * (lit_before + lit_here) + 0.5 * guess(middle);
     if (sun_.y < kDeepSun) piece.dusk = dusk(middle);
     PathShells::Columns start{};
@@ -287,18 +287,18 @@ class MonteCarlo {
     shells_.densities(piece.shell, ray.square + s * (2.0 * ray.slope + s), densities);
   }
 
-  void add_sunlight(const AirRay& ray, const PathPoint& index, const Spectrum& weights, PathRandom& random,
+  void add_sunlight(const AirRay& ray, const PathPoint& point, const Spectrum& weights, PathRandom& random,
                     const std::vector<Piece>& pieces, Spectrum& radiance) const {
     Spectrum light;
     double chance = 0.0;
     if (const Piece* const piece = draw_piece(
             pieces, [](const Piece& p) { return p.lit; }, random, chance)) {
       const double s = draw_place(*piece, random, chance);
-      sunlight(moved(index, ray, s), light);
+      sunlight(moved(point, ray, s), light);
       Spectrum through;
       PathShells::Columns densities{};
       reach(ray, *piece, s, through, densities);
-      const double cosine = std::clamp(glm::dot(index.direction, sun_), -1.0, 1.0);
+      const double cosine = std::clamp(glm::dot(point.direction, sun_), -1.0, 1.0);
       for (const std::size_t k : scatterers_) {
         for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
           const double part = densities[k] * air_.phase(air_.matter()[k], i, cosine) / chance;
@@ -307,7 +307,7 @@ class MonteCarlo {
       }
     }
     if (!ray.ground) return;
-    const PathPoint end = moved(index, ray, ray.length);
+    const PathPoint end = moved(point, ray, ray.length);
     const double level = glm::dot(end.up, sun_);
     if (!(level > 0.0)) return;
     sunlight({0.0, end.up, end.direction}, light);
@@ -327,7 +327,7 @@ class MonteCarlo {
   }
 
   /// To where light of the next order comes from, and a direction to look for it; false if there is none.
-  bool go_on(const AirRay& ray, PathPoint& index, Spectrum& weights, PathRandom& random,
+  bool go_on(const AirRay& ray, PathPoint& point, Spectrum& weights, PathRandom& random,
              const std::vector<Piece>& pieces) const {
     double air = 0.0;
     for (const Piece& piece : pieces) air += piece.scatters;
@@ -342,9 +342,9 @@ class MonteCarlo {
     }
     if (!(air + ground > 0.0)) return false;
     if (random.number() * (air + ground) < ground) {
-      index = moved(index, ray, ray.length);
-      index.square = 0.0;
-      const double up = draw_upwards(index.up, index.direction, random);
+      point = moved(point, ray, ray.length);
+      point.square = 0.0;
+      const double up = draw_upwards(point.up, point.direction, random);
       for (std::size_t i = 0; i < air_.wavelengths(); ++i) weights[i] *= through[i] * up * (air + ground) / ground;
       return up > 0.0;
     }
@@ -355,9 +355,9 @@ class MonteCarlo {
     const double s = draw_place(*piece, random, chance);
     PathShells::Columns densities{};
     reach(ray, *piece, s, through, densities);
-    index = moved(index, ray, s);
+    point = moved(point, ray, s);
     chance *= air / (air + ground);
-    return scatter(densities, through, chance, index, weights, random);
+    return scatter(densities, through, chance, point, weights, random);
   }
 
   /// The cosine over pi times the density of a direction that is drawn by the cosine or towards the sun.
@@ -375,7 +375,7 @@ class MonteCarlo {
   }
 
   /// A new direction, drawn by the phase functions or towards the sun.
-  bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, PathPoint& index,
+  bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, PathPoint& point,
                Spectrum& weights, PathRandom& random) const {
     std::array<double, ReferenceAir::kMaxConstituents> shares{};
     double all = 0.0;
@@ -387,16 +387,16 @@ class MonteCarlo {
     }
     if (!(all > 0.0)) return false;
     const bool low = sunset_ != dvec3(0.0);
-    const dvec3 old = index.direction;
-    index.direction = low && random.number() < towards_sun_
+    const dvec3 old = point.direction;
+    point.direction = low && random.number() < towards_sun_
                           ? sky::turned(sunset_, sky::draw_henyey_greenstein(sunset_asymmetry_, random), random)
                           : drawn_by_phase(shares, all, old, random);
-    const double cosine = std::clamp(glm::dot(old, index.direction), -1.0, 1.0);
+    const double cosine = std::clamp(glm::dot(old, point.direction), -1.0, 1.0);
     double density = 0.0;
     for (const std::size_t k : scatterers_) density += shares[k] / all * air_.drawn_phase(air_.matter()[k], cosine);
     if (low) {
       density = (1.0 - towards_sun_) * density +
-                towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, index.direction));
+                towards_sun_ * sky::henyey_greenstein_phase(sunset_asymmetry_, glm::dot(sunset_, point.direction));
     }
     for (std::size_t i = 0; i < air_.wavelengths(); ++i) {
       double scattered = 0.0;
@@ -452,8 +452,8 @@ TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTra
       PathRandom random(options.seed,
                         static_cast<std::uint64_t>(part) * 0x100000000U + static_cast<std::uint64_t>(path));
       double weight = 1.0;
-      const PathPoint index = start(random, weight);
-      if (weight > 0.0) tracer.trace(index, weight, random, scratch, means[part]);
+      const PathPoint point = start(random, weight);
+      if (weight > 0.0) tracer.trace(point, weight, random, scratch, means[part]);
     }
     for (double& value : means[part]) value /= static_cast<double>(paths);
   });
@@ -475,8 +475,8 @@ TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m, 
                                const glm::dvec3& sun, const PathTracingOptions& options) {
   const ReferenceAir air(atmosphere);
   const MonteCarlo tracer(air, sun, options);
-  const PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
-  return run(tracer, air.wavelengths(), options, [&](PathRandom&, double&) { return index; });
+  const PathPoint point{air.square_of(altitude_m), {0.0, 1.0, 0.0}, direction};
+  return run(tracer, air.wavelengths(), options, [&](PathRandom&, double&) { return point; });
 }
 
 TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
@@ -484,9 +484,9 @@ TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m
   const ReferenceAir air(atmosphere);
   const MonteCarlo tracer(air, sun, options);
   return run(tracer, air.wavelengths(), options, [&](PathRandom& random, double& weight) {
-    PathPoint index{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
-    weight = tracer.draw_from_sky(index.direction, random);
-    return index;
+    PathPoint point{air.square_of(altitude_m), {0.0, 1.0, 0.0}, {}};
+    weight = tracer.draw_from_sky(point.direction, random);
+    return point;
   });
 }
 

@@ -69,7 +69,7 @@ TEST_CASE("GGX albedo is the light hemisphere's integral to 1e-5 from grazing to
       worst = std::max(worst, error);
     }
   }
-  CHECK(worst > 1e-8);  // // computed in float: a smaller difference would mean that nothing was compared
+  CHECK(worst > 1e-8);  // computed in float: a smaller difference would mean that nothing was compared
 }
 
 TEST_CASE("Sheen albedo is the light hemisphere's integral to 1e-5", "[brdf][truth]") {

@@ -27,7 +27,7 @@ void check(const EstimateTrials& trials) {
   for (const auto& [kind, honesty] : trials) {
     CAPTURE(kind, honesty->count(), honesty->worst(), honesty->worst_case());
     const auto count = static_cast<double>(honesty->count());
-    CHECK((1.0 - honesty->share()) * count <= 1.001 + 0.02 * count);  // // 1 % is expected: of so few, one or two
+    CHECK((1.0 - honesty->share()) * count <= 1.001 + 0.02 * count);  // 1 % is expected: of so few, one or two
     CHECK(honesty->worst() < 2.0);
     CHECK(honesty->median() <= largest_median(kind));
   }

@@ -265,7 +265,7 @@ TEST_CASE("A lone bright texel of a small cubemap is blurred to within the defau
 
 TEST_CASE("The dark beside a sun of any size is blurred to within the default bounds",
           "[specular][prefilter][truth][bright]") {
-  for (const double radius : {3.0, 13.0}) {  // // 29 and about 530 texels
+  for (const double radius : {3.0, 13.0}) {  // 29 and about 530 texels
     for (const int row : some_of(2, {radius < 5.0 ? 40 : 6, radius < 5.0 ? 6 : 40})) {
       CAPTURE(radius, row);
       const LatLongImage source = lit_sky(256, {30, row, 1e5F, 0.1F, radius});

@@ -91,7 +91,7 @@ TEST_CASE("a texel's light stays where it was on halved faces", "[prefilter][hal
   std::vector<float> faces = black(size);
   faces[3 * static_cast<std::size_t>((2 * size + row) * size + column)] = 1.0F;
   const auto halved = reflections::halved_faces({rows_of(faces, size)}, half, {}).owned;
-  glm::dvec3 moments(0.0);  // // light, and light times its position in fine texels
+  glm::dvec3 moments(0.0);  // light, and light times its position in fine texels
   for (int r = 0; r < half; ++r) {
     for (int c = 0; c < half; ++c) {
       const double light = coarse->at(r, c) * static_cast<double>(halved.data()[3 * ((2 * half + r) * half + c)]);
@@ -154,7 +154,7 @@ TEST_CASE("Each looser bound takes fewer bands and rings", "[specular][bands]") 
     CHECK(own < bands);
     CHECK(reflections::rings_within(kAlpha, bounds) <= rings);
     const int wide = reflections::bands_within(1.0, bounds);
-    CHECK((wide < reflections::bands_within(1.0, bounds.tightened(1)) || wide == 24));  // // the minimum
+    CHECK((wide < reflections::bands_within(1.0, bounds.tightened(1)) || wide == 24));  // the minimum
     bands = own;
     rings = reflections::rings_within(kAlpha, bounds);
   }
@@ -207,7 +207,7 @@ TEST_CASE("A bound of 1e-4 is kept by one transform of an even image", "[specula
   const PrefilteredSpecular result = prefilter_specular(even.view(), {.size = 64, .mips = 3, .rms_error = 1.001e-4});
   const auto again = [](const PassRecord& pass) { return pass.name == "energies"; };
   CHECK(std::ranges::none_of(result.pixels.passes, again));
-  for (const MipRecord& mip : result.mips) CHECK(mip.bands <= 80);  // // 240 were used
+  for (const MipRecord& mip : result.mips) CHECK(mip.bands <= 80);  // 240 were used
 }
 
 TEST_CASE("An image takes its bands at once where the transform has enough", "[specular][bands]") {
@@ -296,7 +296,7 @@ TEST_CASE("No estimate is above the bound that was asked for", "[specular][bands
 TEST_CASE("Mips that harmonics do not bring within the bound are integrated", "[specular][bands][truth]") {
   int integrated = 0;
   for (std::size_t texel = 0; texel < 5766; texel += 61) {
-    TestCubemap source = make_cubemap(Content::random, 31, 3, 17);  // // near sums need an even size
+    TestCubemap source = make_cubemap(Content::random, 31, 3, 17);  // near sums need an even size
     for (float& value : source.pixels) value = static_cast<float>(std::pow(static_cast<double>(value), 12.0));
     for (std::size_t c = 0; c < 3; ++c) source.pixels[3 * texel + c] *= 1e6F;
     PrefilterOptions options{.size = 8, .mips = 1, .roughness = {0.134}};

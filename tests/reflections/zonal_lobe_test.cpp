@@ -399,7 +399,7 @@ TEST_CASE("The transform that a cubemap needs for sheen is foreseen by the rings
   const int wanted = reflections::choose_bands_by_energy(plan, source);
   CAPTURE(first, wanted);
   CHECK(wanted > first);
-  CHECK(wanted < 2 * first);  // // the rings of the first transform would give no such bound
+  CHECK(wanted < 2 * first);  // the rings of the first transform would give no such bound
 }
 
 }  // namespace welkin::test
