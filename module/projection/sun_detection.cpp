@@ -88,7 +88,7 @@ class MapTotals {
     return sum;
   }
 
-/// Returns the finite texel of the largest luminance, the first of several; -1 if no texel is finite.
+  /// Returns the finite texel of the largest luminance, the first of several; -1 if no texel is finite.
   [[nodiscard]] std::int64_t brightest() const noexcept {
     const Tile* best = nullptr;
     for (const Tile& tile : tiles_) {

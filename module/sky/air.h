@@ -111,7 +111,8 @@ class AirModel {
   return (1.0 - g * g) / (4.0 * std::numbers::pi * henyey_greenstein_denominator(g, cosine));
 }
 
-/// Returns that of Cornette and Shanks 1992, equation 8: Rayleigh's at g = 0, mean cosine 3 g (4 + g^2) / (5 (2 + g^2)).
+/// Returns that of Cornette and Shanks 1992, equation 8: Rayleigh's at g = 0, mean cosine
+/// 3 g (4 + g^2) / (5 (2 + g^2)).
 [[nodiscard]] inline double cornette_shanks_phase(double g, double cosine) noexcept {
   return 3.0 / (8.0 * std::numbers::pi) * (1.0 - g * g) / (2.0 + g * g) * (1.0 + cosine * cosine) /
          henyey_greenstein_denominator(g, cosine);

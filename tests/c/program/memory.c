@@ -1,5 +1,5 @@
 /* Calls that run out of memory report it and release what was handed over: the first allocation of the calling thread
-* fails, then the second, and so on until the call succeeds. */
+ * fails, then the second, and so on until the call succeeds. */
 #include <errno.h>
 #include <stdlib.h>
 
