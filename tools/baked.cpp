@@ -138,7 +138,7 @@ void BakeSource::orient(const BakeCommandOptions& options, const Control& contro
   }
 }
 
-/// What steps of the work take beside the library's bake.
+/// Memory of steps of the work, in addition to the library's bake.
 struct BakeMemory {
   std::string path{};             ///< of the source, for the message
   std::uint64_t source = 0;       ///< held until all is baked
@@ -157,7 +157,7 @@ struct EnvChain {
   [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
 };
 
-/// What is to be made.
+/// The plan of all that a folder needs.
 struct FolderPlan {
   Plan light{};  ///< by the library's bake
   EnvChain env{};

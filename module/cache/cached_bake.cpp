@@ -20,7 +20,7 @@
 namespace welkin::cache {
 namespace {
 
-// What sanitizing an image's pixels came to, kept so that what was made of them can be described without them.
+// The outcome of sanitizing an image's pixels, kept so that results can be described without the pixels.
 
 struct SanitizedPixels {
   ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in

@@ -1,4 +1,4 @@
-// What an entry's file looks like, and where entries are kept.
+// The format of an entry's file, and the folder of entries.
 #pragma once
 
 #include <array>

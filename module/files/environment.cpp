@@ -166,7 +166,7 @@ class Geometry {
     return found;
   }
 
-  /// Of the centre of a texel of the image that is on the sphere.
+  /// Returns the direction of the centre of a texel that lies on the sphere.
   [[nodiscard]] glm::dvec3 direction(int column, int row) const {
     if (placement_ == nullptr) return image::lat_long_direction(width_, height_, column + 0.5, row + 0.5);
     for (const FaceSegment& segment : row_segments(*placement_, size_, row)) {

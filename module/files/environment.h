@@ -1,4 +1,4 @@
-// What is made of a file: an environment in memory, a projection or a bake.
+// Results from a file: an environment in memory, a projection or a bake.
 #pragma once
 
 #include <filesystem>

@@ -261,7 +261,7 @@ bool at_last_header(platform::ByteFile& file) {
   return byte == 0;
 }
 
-// What the library does with types: a single-part image's flags decide, whatever its type attribute says.
+// As in the library, a single-part image's flags decide its type, whatever its type attribute says.
 ExrPart describe_part(Imf::Header header, int version, const std::filesystem::path& path, std::size_t index) {
   ExrPart part;
   part.name = header.hasName() ? platform::printable(header.name()) : "";

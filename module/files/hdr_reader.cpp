@@ -50,7 +50,7 @@ class HdrScanlines {
   HdrScanlines(const FileInput& input, int length, int count)
       : file_(open_file(input)), length_(length), count_(count), buffer_(kBufferBytes) {}
 
-  /// What one object holds, in bytes.
+  /// Returns the bytes of one object.
   [[nodiscard]] static std::uint64_t memory_bytes() noexcept {
     constexpr std::uint64_t kOfStream = std::uint64_t{16} << 10U;
     return kBufferBytes + kOfStream;

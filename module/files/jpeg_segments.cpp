@@ -1,4 +1,4 @@
-// What a JPEG's markers say of its images and of their gain maps.
+// Markers of a JPEG that describe its images and their gain maps.
 #include <algorithm>
 #include <cmath>
 #include <span>

@@ -83,7 +83,7 @@ class PngStream {
 
   [[nodiscard]] const platform::ByteFile& file() const noexcept { return file_; }
 
-  // What was passed over so far and is worth a word.
+  // True once such a chunk was skipped, which deserves a note.
   [[nodiscard]] bool has_profile() const noexcept { return has_profile_; }            ///< iCCP
   [[nodiscard]] bool has_transparency() const noexcept { return has_transparency_; }  ///< tRNS
   [[nodiscard]] bool has_code_points() const noexcept { return has_code_points_; }    ///< cICP
@@ -133,7 +133,7 @@ struct PngHeader {
   std::optional<double> gamma;              ///< of the gAMA chunk: the exponent from light to samples; 1 is linear
   std::optional<Chromaticities> primaries;  ///< of the cHRM chunk
 
-  /// Of the rows that are handed out.
+  /// Returns the bytes per texel of decoded rows.
   [[nodiscard]] std::size_t texel_bytes() const noexcept { return bits == 16 ? 8 : 3; }
   [[nodiscard]] std::size_t row_bytes() const noexcept { return texel_bytes() * static_cast<std::size_t>(width); }
 };
@@ -301,7 +301,7 @@ class PngSamples {
   std::optional<glm::dmat3> matrix_;
 };
 
-// What libspng and zlib hold beside rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
+// Memory of libspng and zlib without rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
 constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
 class PngReader final : public SequentialReader {

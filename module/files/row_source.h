@@ -78,7 +78,7 @@ class SequentialReader : public RowReader {
   int next_row_ = 0;
 };
 
-/// What an image's header says of its rows.
+/// Properties of an image's rows from its header.
 struct RowTraits {
   /// Rows that decode together: a compressed block of scanlines, a row of tiles. At least 1, at most the
   /// section's rows. Reading multiples of it from multiples of it (counted in a section) decodes everything once.
@@ -108,7 +108,7 @@ struct RowTraits {
   const char* smaller_reader = "save it with smaller blocks";
 };
 
-/// What a header says, and readers of the rows behind it.
+/// An image's header and readers of its rows.
 class RowSource {
  public:
   using Open = std::function<std::unique_ptr<RowReader>()>;

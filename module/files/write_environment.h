@@ -37,10 +37,10 @@ class OutputImage {
   std::function<void(int row, float* rgb)> read_row_;
 };
 
-/// What an OpenEXR file's envmap attribute states.
+/// Values of an OpenEXR file's envmap attribute.
 enum class Envmap { none, lat_long, cube };
 
-/// What the writers share beside the image.
+/// Data that the writers share in addition to the image.
 struct WriteJob {
   platform::WholeFile& file;
   SampleType type;

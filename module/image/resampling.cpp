@@ -324,7 +324,7 @@ LatLongImage resampled_lat_long(const View& source, int width, int height, const
   return result;
 }
 
-/// What an upright image becomes by one of a cube's symmetries.
+/// Returns an upright cubemap changed by one of a cube's symmetries.
 Cubemap rotate(Cubemap upright, const glm::dmat3& rotation, const Control& control) {
   if (rotation == glm::dmat3(1.0)) return upright;
   return *image::rotate_exactly(upright.view(), rotation, control);

@@ -26,7 +26,7 @@ struct BrdfKernels {
   void (*directional_albedo)(const AlbedoRule& rule, float alpha, const float* normal_view, float* whole,
                              float* fresnel);
 
-  /// The same of Charlie sheen.
+  /// For sixteen cosines against the normal: directional albedo of Charlie sheen.
   void (*sheen_albedo)(const AlbedoRule& rule, float alpha, const float* normal_view, float* albedo);
 };
 WELKIN_KERNEL_TABLES(BrdfKernels, brdf_kernels)

@@ -80,7 +80,7 @@ class Fit {
   }
 
  private:
-  /// What a shader shows of each degree where it reads one mip.
+  /// Factors by which a shader that reads one mip shows each degree.
   struct Shown {
     Spectrum here;
     Spectrum slope;
