@@ -60,13 +60,13 @@ for file in ("half.exr", "float.exr"):
 for file, allowed in (("lat_long.exr", 0), ("lat_long.hdr", 1 / 128)):
     found, word = rows(file, 0, (8, 16, 3))
     row(file, 0, found, lat_long, allowed, word)
-for file in ("rgba16f.dds", "rgba32f.dds", "b10g11r11.dds", "e5b9g9r9.dds", "bc6h.dds", "picture.dds"):
+for file in ("rgba16f.dds", "rgba32f.dds", "b10g11r11.dds", "e5b9g9r9.dds", "bc6h.dds", "image.dds"):
     image = oiio.ImageInput.open(os.path.join(samples, file))
     if not image:
         print(f"| {file} | | | not read: {oiio.geterror()} |")
         continue
     spec = image.spec()
-    if file == "picture.dds":
+    if file == "image.dds":
         found, word = rows(file, 0, (8, 16, 3))
         row(file, 0, found, lat_long, 0, word)
         continue

@@ -137,8 +137,8 @@ try {
   }
   for (const [name, format] of Object.entries(FORMATS))
     for (const file of [`${name}.ktx2`, `${name}_zlib.ktx2`, `${name}_zstd.ktx2`, `${name}.ktx`]) compareTexels(file, "chain.f32", format);
-  compareTexels("picture.ktx2", "lat_long.f32", FORMATS.rgba16f);
-  compareTexels("picture_zstd.ktx2", "lat_long.f32", FORMATS.rgba32f);
+  compareTexels("image.ktx2", "lat_long.f32", FORMATS.rgba16f);
+  compareTexels("image_zstd.ktx2", "lat_long.f32", FORMATS.rgba32f);
   compareTexels("octahedral_zstd.ktx2", "octahedral.f32", FORMATS.rgba32f);
   console.log(`${files} files with ${images} images; ${checks} checks, ${failed} failed`);
 } finally {

@@ -113,6 +113,7 @@ void write_env(const std::filesystem::path& directory, const Cubemap& chain) {
 }
 
 int run(const std::filesystem::path& directory) {
+  std::filesystem::remove_all(directory); // a file of an older name would hide that none is written any more
   std::filesystem::create_directories(directory);
   const Cubemap chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
   write_floats(directory / "chain.f32", chain.face(0, 0), chain.bytes() / sizeof(float));
@@ -131,7 +132,7 @@ int run(const std::filesystem::path& directory) {
 
 int main(int argument_count, char** arguments) {
   if (argument_count != 2) {
-    std::fputs("usage: texture_samples DIRECTORY\n", stderr);
+    std::fputs("usage: texture_samples DIRECTORY, which is emptied\n", stderr);
     return 2;
   }
   try {

@@ -85,7 +85,7 @@ for (const [name, format] of Object.entries(FORMATS)) {
 }
 
 const flat = floatsOf("lat_long.f32"); // the same 16 x 8 texels
-for (const [file, format] of [["picture.ktx2", FORMATS.rgba16f], ["picture_zstd.ktx2", FORMATS.rgba32f]]) {
+for (const [file, format] of [["image.ktx2", FORMATS.rgba16f], ["image_zstd.ktx2", FORMATS.rgba32f]]) {
   const texture = await new Promise((done, no) => loader.parse(bytesOf(file).buffer, done, no));
   check(texture.mipmaps.length === 1 && texture.mipmaps[0].width === 16 && texture.mipmaps[0].height === 8, `${file}: shape`);
   same(format.rgb(texture.mipmaps[0].data), flat, 0, `${file} in three.js`);
@@ -229,11 +229,11 @@ for (const name of ["rgba16f", "rgba32f"]) {
 }
 
 {
-  const data = bytesOf("picture.dds");
+  const data = bytesOf("image.dds");
   const info = DDSTools.GetDDSInfo(data);
-  check(!info.isCube && info.width === 16 && info.height === 8 && info.mipmapCount === 1, "picture.dds: shape");
+  check(!info.isCube && info.width === 16 && info.height === 8 && info.mipmapCount === 1, "image.dds: shape");
   const halves = new Uint16Array(data.buffer, 148);
-  same(rgbOf(halves, fromHalf), flat, 0, "picture.dds");
+  same(rgbOf(halves, fromHalf), flat, 0, "image.dds");
 }
 
 // --- OpenEXR and Radiance
