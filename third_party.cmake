@@ -2,7 +2,7 @@
 # installs them. Newer versions work too.
 
 # Threads and task scheduling: tiles run as oneTBB tasks in the caller's arena. (libtbb-dev) Without threads there is
-# neither: all work is done by whoever calls for it, and what is about threads, the worker, is left out.
+# neither: all work is done by the calling thread, and the worker is left out.
 set(welkin_thread_libraries)
 if(WELKIN_THREADS)
   find_package(Threads REQUIRED)
@@ -27,8 +27,8 @@ if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   find_package(xsimd REQUIRED)
 endif()
 
-# What welkin::files is built with. A codec that is switched off is not looked for; its files are then refused with an
-# error that says what Welkin was built without.
+# Codecs of welkin::files. A codec that is off is not looked for; its files are then refused with an error that names
+# the codec that is missing.
 option(WELKIN_EXR "Read and write OpenEXR files" ON)
 option(WELKIN_PNG "Read and write PNG files, and .env files, whose images are PNG" ON)
 option(WELKIN_WEBP "Read .env files whose images are WebP" ON)

@@ -1,5 +1,5 @@
 # astcenc. Defines the target ASTCENC::ASTCENC, whether or not the library came with a CMake configuration of its own.
-# Installed beside welkin-config.cmake: whoever links a static Welkin needs it too.
+# Installed with welkin-config.cmake: a program that links a static Welkin needs it too.
 find_path(ASTCENC_INCLUDE_DIR astcenc.h)
 find_library(ASTCENC_LIBRARY astcenc)
 mark_as_advanced(ASTCENC_INCLUDE_DIR ASTCENC_LIBRARY)

@@ -1,5 +1,5 @@
 # libspng, which Debian packages without a CMake configuration of its own. Defines the target SPNG::SPNG.
-# Installed beside welkin-config.cmake: whoever links a static Welkin needs it too.
+# Installed with welkin-config.cmake: a program that links a static Welkin needs it too.
 find_path(SPNG_INCLUDE_DIR spng.h)
 find_library(SPNG_LIBRARY spng)
 mark_as_advanced(SPNG_INCLUDE_DIR SPNG_LIBRARY)

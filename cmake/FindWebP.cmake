@@ -1,5 +1,5 @@
 # libwebp, which Debian packages without a CMake configuration of its own. Defines the target WebP::WebP.
-# Installed beside welkin-config.cmake: whoever links a static Welkin needs it too.
+# Installed with welkin-config.cmake: a program that links a static Welkin needs it too.
 find_path(WebP_INCLUDE_DIR webp/decode.h)
 find_library(WebP_LIBRARY webp)
 mark_as_advanced(WebP_INCLUDE_DIR WebP_LIBRARY)

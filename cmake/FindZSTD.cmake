@@ -1,5 +1,5 @@
 # Zstandard. Its own CMake configuration names different targets for static and shared builds. Defines the target ZSTD::ZSTD.
-# Installed beside welkin-config.cmake: whoever links a static Welkin needs it too.
+# Installed with welkin-config.cmake: a program that links a static Welkin needs it too.
 find_path(ZSTD_INCLUDE_DIR zstd.h)
 find_library(ZSTD_LIBRARY zstd)
 mark_as_advanced(ZSTD_INCLUDE_DIR ZSTD_LIBRARY)

@@ -3,8 +3,8 @@
 # and the command are compiled so by preset release and the sanitizers' (WELKIN_LIBRARY_TOGETHER), and not where they
 # are packaged: programs link those of the library's objects that they need. Names are looked for at the start of lines,
 # when CMake runs: too many only make groups smaller.
-# A source that clashes all the same (or that was given such a name since) is told of by the compiler: configure again,
-# or set its SKIP_UNITY_BUILD_INCLUSION.
+# If a source clashes all the same (or was given such a name since), the compiler says so: configure again, or set its
+# SKIP_UNITY_BUILD_INCLUSION.
 set(WELKIN_TOGETHER 6 CACHE STRING "Sources in one translation unit at most, outside the library (1: after an edit less is compiled)")
 function(welkin_compile_together target)
   if(MSVC OR WELKIN_TOGETHER LESS 2)  # Visual C++: never tried

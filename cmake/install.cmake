@@ -1,7 +1,7 @@
-# What an installed Welkin is: headers, libraries, CMake and pkg-config files, the licence, the examples.
+# Installs Welkin: headers, libraries, CMake and pkg-config files, the licence, the examples.
 include(CMakePackageConfigHelpers)
 
-# What the C++ compiler links that the C compiler does not: a static library in a program of C needs it.
+# Libraries that only the C++ compiler links by default. A C program needs them with a static Welkin.
 set(welkin_runtime_libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_ITEM welkin_runtime_libraries ${CMAKE_C_IMPLICIT_LINK_LIBRARIES})
 list(REMOVE_DUPLICATES welkin_runtime_libraries)
@@ -17,7 +17,7 @@ if(NOT WELKIN_THREADS)
 endif()
 list(TRANSFORM left_out REPLACE "(.+)" "PATTERN;\\1;EXCLUDE")
 install(DIRECTORY include/welkin DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${left_out})
-# A set of targets for each component, so that a project which asks for core meets none that it cannot link.
+# One set of targets per component, so that a project that needs only core gets none that it cannot link.
 foreach(library IN LISTS welkin_libraries)
   set(component files)
   if(library STREQUAL "welkin_core")

@@ -1,10 +1,10 @@
-# welkin_isa_sources(SOURCE...): kernels. Each source is compiled once per instruction set into the same library; which
-# build runs is decided at run time. Kernels are optimised in every configuration: an unoptimised one tells nothing and
-# takes minutes. (Under a sanitizer less: there it is the compiler that takes minutes, and the bits are the same.)
+# welkin_isa_sources(SOURCE...): kernels. Each source is compiled once per instruction set into the same library, which
+# chooses between them at run time. Kernels are optimized in every configuration: without, they take minutes and their
+# times mean nothing. (Under a sanitizer less so: there the compiler takes minutes, and the bits are the same.)
 #
-# The sets are those of the processor that is compiled for. A build that nobody ships may leave some of x86's out, each
-# of which takes a ninth of a first build's time: sanitizers see as much in SSE2's kernels, which touch the same texels,
-# and a first bake needs those of one processor (scripts/welkin).
+# The sets are those of the target processor. A build that is not shipped may omit some of x86's, each of which takes a
+# ninth of a first build's time: sanitizers see as much in SSE2's kernels, which read and write the same texels, and a
+# first bake needs those of one processor (scripts/welkin).
 set(WELKIN_INSTRUCTION_SETS "" CACHE STRING "x86's instruction sets to build kernels for, of sse2, avx2 and avx512; empty: all")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64|ARM64)$")
   set(welkin_instruction_sets neon)
@@ -42,7 +42,7 @@ else()
     list(APPEND welkin_options_avx512 -Wa,-muse-unaligned-vector-move)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    # GCC 12 takes the undefined operand inside its own AVX-512 intrinsics for an uninitialised variable (PR105593).
+    # GCC 12 takes the undefined operand inside its own AVX-512 intrinsics for an uninitialized variable (PR105593).
     list(APPEND welkin_options_avx512 -Wno-maybe-uninitialized -Wno-uninitialized)
   endif()
   set(welkin_kernel_optimisation -O3)

@@ -1,10 +1,10 @@
 # welkin_precompile_headers(TARGET HEADER...): headers that cost more to read than the source that includes them;
 # welkin_standard_headers is the set that nearly all sources share, welkin_kernel_headers that of kernels.
 #
-# A precompiled header is a picture of the compiler's memory and no two are alike, so ccache would know none of a new
-# clone's objects. With CCACHE_PCH_EXTSUM it takes the hash that is left beside the header instead: of the headers
-# themselves, the compiler and its flags. Only headers that do not change between two builds may stand in one: the
-# system's, and lists of them.
+# A precompiled header is a dump of the compiler's memory and no two are alike, so ccache would find no object of a new
+# clone. With CCACHE_PCH_EXTSUM it uses the hash in the .sum file next to the header instead: that of the headers' text,
+# the compiler and its flags. Only headers that do not change between two builds may be precompiled: the system's, and
+# lists of them.
 set(welkin_standard_headers ${CMAKE_CURRENT_LIST_DIR}/standard_headers.h)
 set(welkin_kernel_headers ${CMAKE_CURRENT_LIST_DIR}/kernel_headers.h)
 function(welkin_precompile_headers target)

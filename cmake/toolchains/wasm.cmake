@@ -15,8 +15,8 @@ if(WELKIN_STANDARD_THREADS)
 endif()
 
 # A page waits for a module before anything can begin, so all but the kernels, which choose for themselves, is compiled for
-# its size. Functions are inlined where that makes the module smaller; of itself Emscripten then inlines none. Nothing but
-# OpenEXR's headers asks for types at run time, whose names are long (module/files/CMakeLists.txt).
+# its size. Functions are inlined where that makes the module smaller; by default Emscripten then inlines none. Only
+# OpenEXR's headers need RTTI, whose names are long (module/files/CMakeLists.txt).
 set(CMAKE_C_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -DNDEBUG" CACHE STRING "" FORCE)
 set(CMAKE_CXX_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -fno-rtti -DNDEBUG" CACHE STRING "" FORCE)
 
@@ -24,7 +24,7 @@ set(CMAKE_CXX_FLAGS_RELEASE "-Oz -sINLINING_LIMIT=0 -fno-rtti -DNDEBUG" CACHE ST
 set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)
 set(WELKIN_POSITION_INDEPENDENT_CODE OFF)
 
-# Headers of Debian's packages are taken one library at a time: beside them lie those of the machine's own C library.
+# Headers of Debian's packages are copied one library at a time: their folder also has those of the host's C library.
 set(packages ${CMAKE_BINARY_DIR}/headers)
 if(NOT EXISTS ${packages}/glm)
   file(MAKE_DIRECTORY ${packages})

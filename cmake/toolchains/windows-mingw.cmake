@@ -6,7 +6,7 @@ set(CMAKE_C_COMPILER ${triple}-gcc-posix)
 set(CMAKE_CXX_COMPILER ${triple}-g++-posix)
 set(CMAKE_RC_COMPILER ${triple}-windres)
 
-# What the compiler brings, and the dependencies. Nothing of the machine that compiles.
+# Only the compiler's own files and the dependencies are found, and none of the host's.
 get_filename_component(welkin_dependencies "${CMAKE_CURRENT_LIST_DIR}/../../build/windows-dependencies" ABSOLUTE)
 set(WELKIN_WINDOWS_DEPENDENCIES ${welkin_dependencies} CACHE PATH
     "Folder with a folder sysroot of libraries and headers for Windows")
