@@ -33,7 +33,7 @@ def inside(line):
 
 
 linked = [inside(line) for line in sys.stdin if line.strip()]
-# Of the commit, so that the same source gives the same file.
+# The time of the commit, so that the same source gives the same file.
 seconds = int(subprocess.check_output(["git", "show", "-s", "--format=%ct", commit]))
 created = datetime.datetime.fromtimestamp(seconds, datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
 document = {

@@ -1,4 +1,4 @@
-# ctest labels: `quick` (less than half a second), `truth` (results against an independent integral, at length), `slow`
+# ctest labels: `quick` (less than half a second), `truth` (long comparisons with an independent integral), `slow`
 # (anything else that takes longer), `live` (other people's engines and tools), `table` (tables of errors, compared with
 # those on record). Each test has exactly one.
 #

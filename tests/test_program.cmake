@@ -10,7 +10,7 @@ endif()
 if(NOT WELKIN_TOOLS)
   list(FILTER sources EXCLUDE REGEX "^tools/")
 endif()
-# What only one kind of system has says so in its file's name.
+# A source for one kind of system says so in its name.
 if(WIN32)
   list(FILTER sources EXCLUDE REGEX "_posix(_test)?\\.cpp$")
   # Limits on memory, processors and files that POSIX sets; forks; the scheduler's policies; a shell.
@@ -68,15 +68,15 @@ file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/places/places.h CONTENT
 #define WELKIN_COMMAND \"${command}\"
 ")
 target_include_directories(welkin_tests PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/places)
-# What tests are made of is compiled once, run once: most of the compiler's time would be in optimising checks. (The
-# library is optimised as ever, and ISO arithmetic gives the same bits at any level. Under a sanitizer not at all: there
-# the optimiser takes two thirds.)
+# Tests are compiled once and run once, and most of the compiler's time would go into optimizing their checks. (The
+# library is optimized as always, and ISO arithmetic gives the same bits at any level. Under a sanitizer tests are not
+# optimized at all: it would take two thirds of the time.)
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   target_compile_options(welkin_tests PRIVATE -O0)
 elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   target_compile_options(welkin_tests PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 endif()
-# But for truths that sum over millions of texels and rays.
+# References that sum over millions of texels and rays are optimized.
 file(GLOB long_sums stability/*_cases.cpp stability/measures.cpp probes/room.cpp)
 if(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   set_source_files_properties(${long_sums} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>
@@ -99,7 +99,7 @@ catch_discover_tests(welkin_tests TEST_SPEC "~[slow]~[truth]~[.]" PROPERTIES TIM
 catch_discover_tests(welkin_tests TEST_SPEC "[slow]~[truth]~[.]" PROPERTIES TIMEOUT 600 LABELS slow)
 catch_discover_tests(welkin_tests TEST_SPEC "[truth]~[.]" PROPERTIES TIMEOUT 600 LABELS truth)
 
-# Nobody reads working memory that nobody wrote: results on record stay the same where it is filled with NaN.
+# No code may read scratch memory before writing it: the recorded results must be the same if it is filled with NaN.
 if(welkin_all_codecs AND NOT WELKIN_TEST_FOLDERS AND NOT CMAKE_CROSSCOMPILING)
   add_test(NAME "results on record, in working memory filled with NaN" COMMAND welkin_tests "[same_as_before]")
   set_tests_properties("results on record, in working memory filled with NaN" PROPERTIES

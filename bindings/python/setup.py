@@ -40,7 +40,7 @@ class BuildByCMake(build_ext):
     """Asks CMake for the extension, and puts it where setuptools wants it."""
 
     def build_extension(self, ext):
-        # Of a virtual environment the Python that it was made by: the folder may serve longer than the environment.
+        # In a virtual environment, the Python that made it: the folder may outlive the environment.
         python = getattr(sys, "_base_executable", sys.executable)
         options = ["-DWELKIN_PYTHON=ON", f"-DPython_EXECUTABLE={python}"]
         options += os.environ.get("WELKIN_PYTHON_OPTIONS", "").split()
@@ -68,7 +68,7 @@ ALWAYS_THERE = re.compile(r"^(ld-linux.*|lib(c|m|pthread|dl|rt|gcc_s)\.so\..*)$"
 
 
 def manylinux_tag(library):
-    """The platform tag (PEP 600) of the newest symbol of glibc that a library asks for. It may ask for no other library
+    """The platform tag (PEP 600) of the newest symbol of glibc that a library needs. It may need no other library
     but GCC's, whose static one would ask for a newer glibc: what auditwheel, which Debian does not have, would refuse too.
     """
     headers = subprocess.check_output([TOOLS + "objdump", "-p", library], text=True)
@@ -103,7 +103,7 @@ class WheelByWhatItNeeds(bdist_wheel):
         return (python, abi, manylinux_tag(libraries[0])) if libraries else (python, abi, platform)
 
 
-# What setuptools writes on the way stands beside it, and not among the sources.
+# Files that setuptools writes on the way stay out of the sources.
 BUILD.mkdir(parents=True, exist_ok=True)
 setup(
     version=version(),

@@ -1,7 +1,7 @@
 // node peers.mjs CONFIGURATION.json
 // {"modules": folder that holds node_modules, "cube": six faces of RGB floats, "size", "targets": [0, 64], "budget": seconds,
-// "processor": whether to count processor time}. Prints [{peer, method, target, radiance: [[r, g, b], ...], seconds}], the
-// coefficients of radiance in the program's own convention: what it cannot do or what is not installed is left out.
+// "processor": whether to count CPU time}. Prints [{peer, method, target, radiance: [[r, g, b], ...], seconds}], the
+// coefficients of radiance in the program's own convention. Methods that it lacks, and programs that are not installed, are left out.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
@@ -69,7 +69,7 @@ async function three() {
     for (let p = 0; p < texels; ++p) for (let c = 0; c < 3; ++c) rgba[4 * p + c] = pixels[i * faceFloats + 3 * p + c];
     return rgba;
   });
-  // Stands in for a graphics card that reads its texture back: the faces are there.
+  // Stands in for a GPU that reads its texture back: the faces are in memory.
   const renderer = { isWebGLRenderer: false, coordinateSystem: WebGLCoordinateSystem,
                      readRenderTargetPixelsAsync: async (target, x, y, w, h, index, face) => faces[face] };
   const target = { width: wanted.size, texture: { type: FloatType, colorSpace: NoColorSpace } };

@@ -39,12 +39,12 @@ const WIDTH = 860;
 const HEIGHT = 420; // of the frame with its axes, without the legend
 const AREA = { left: 70, top: 16, right: WIDTH - 20, bottom: HEIGHT - 52 };
 const LEGEND_ROW = 20;
-// Okabe and Ito's palette ("Color universal design", 2008): told apart by colour-blind people too.
+// The palette of Okabe and Ito (2008), which colour-blind readers can distinguish too.
 const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9", "#000000", "#7a7a7a"];
 
 /**
- * Values to places along a picture's edge. Smaller ones than `floor` are drawn there. At least one and a half decades, so
- * that noise does not fill it.
+ * Maps values to positions along an edge of the plot. Values below `floor` are drawn at it. The axis spans at least one
+ * and a half decades, so that noise does not fill it.
  */
 function logAxis(values, floor, from, to) {
   const [LEAST, MARGIN] = [1.5, 0.12]; // decades
@@ -118,7 +118,7 @@ function axesOf(times, errors, machine) {
   for (const value of errors.minor) svg += line(left - 3, errors.place(value), left, errors.place(value), 'stroke="#999999"');
   for (const value of times.decades)
     svg += line(times.place(value), top, times.place(value), bottom + 6, 'stroke="#e4e4e4"') + word(value, "#333333");
-  // Few powers of ten leave room for what is between them.
+  // With few powers of ten, the values between them are labelled too.
   if (times.decades.length < 3)
     for (const value of times.minor)
       if ([2, 5].includes(Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9)))) svg += word(value, "#666666");

@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join, normalize } from "node:path";
 
 const wanted = JSON.parse(readFileSync(process.argv[2], "utf8"));
-const DEADLINE = 240_000; // milliseconds: a processor draws what a graphics card does in milliseconds
+const DEADLINE = 240_000; // milliseconds: drawing on the CPU is a thousand times slower than on a GPU
 
 const page = `<!doctype html><meta charset="utf-8">
 <script type="importmap">{"imports": {"three": "/node_modules/three/build/three.module.js",
@@ -113,7 +113,7 @@ const server = createServer(async (request, response) => {
   response.end(readFileSync(path));
 }).listen(0, "127.0.0.1", () => {
   const url = `http://127.0.0.1:${server.address().port}/`;
-  // No graphics card is asked for: SwiftShader draws, the same everywhere.
+  // SwiftShader draws on the CPU, so that no GPU is needed and every machine gives the same.
   browser = spawn(wanted.browser, ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-background-networking", `--user-data-dir=${profile}`,
     "--remote-debugging-port=0", url], { stdio: "ignore" });

@@ -2,8 +2,8 @@
 #
 # A row of its table reads
 #   | a thing | `marker` ... | number | `file` ... |
-# The markers are words that name one such thing which is there already. The files are all that have one of the markers
-# outside comments: those that whoever adds another one looks into.
+# The markers are words that name one such thing that exists already. The files are all those that have one of the
+# markers outside comments: an engineer who adds another one looks into these.
 cmake_minimum_required(VERSION 3.22)
 
 set(kinds include/*.h include/*.hpp module/*.h module/*.cpp tools/*.h tools/*.cpp tools/help/*.txt

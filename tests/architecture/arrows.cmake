@@ -3,7 +3,7 @@
 #
 # A row of the table reads
 #   | `room` | `room` `room` or nothing | `header.h` ... or none | lines at most | what it holds |
-# Its second cell lists the rooms that it may include besides those that they may include themselves; all of them stand
+# Its second cell lists the rooms that it may include; what these may include, it may include too. All of them stand
 # above it, so that no circle is possible. Its third cell lists the public headers that the room defines. Its fourth cell
 # is the maximum number of lines of the room's sources in module/.
 cmake_minimum_required(VERSION 3.22)

@@ -13,8 +13,8 @@ set(pattern_assembly "${before}(__asm__|__asm|asm)[^A-Za-z0-9_]")
 set(pattern_compiler "\\[\\[(gnu|clang|msvc)::|__attribute__|__builtin_|__declspec|#pragma (GCC|clang)|_Pragma")
 set(kinds system_header system_call intrinsics assembly compiler)
 
-# Where a kind is allowed besides module/platform: what users include says for itself what it exports, and the two
-# programs each have one file that speaks to the system.
+# Files outside module/platform in which a kind is allowed: public headers say what they export, and each of the two
+# programs has one file for each system.
 set(allowed_system_header "^(tools/terminal|perf/report/process)_(posix|windows)\\.cpp$")
 set(allowed_system_call "${allowed_system_header}")
 set(allowed_intrinsics "^module/simd/[a-z_0-9]+\\.h$")

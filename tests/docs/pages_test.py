@@ -278,7 +278,7 @@ def check_version(source):
         ("tests/install/c_alone/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
         ("tests/install/core_only/CMakeLists.txt", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
         ("scripts/test-packages", r"find_package\(welkin ([0-9.]+)", f"{major}.{minor}"),
-        # Those that read it from the places above.
+        # Files that read the version from those above.
         ("bindings/python/setup.py", r"project\\\(welkin (VERSION)", "VERSION"),
         ("bindings/python/source/module.cpp", r'"__version__"\) = (\w+)', "WELKIN_VERSION_STRING"),
         ("cmake/welkin.pc.in", r"Version: (.*)", "@PROJECT_VERSION@"),

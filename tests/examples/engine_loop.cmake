@@ -1,4 +1,4 @@
-# Runs `program` with every set-up of the worker, half a second each, on small pictures that it writes itself into `work`.
+# Runs `program` with every set-up of the worker, half a second each, on small images that it writes into `work`.
 file(REMOVE_RECURSE ${work})
 execute_process(
   COMMAND ${program} --seconds 0.5 --work 1 --sky-size 32 --level-size 64 --no-plot -o ${work}

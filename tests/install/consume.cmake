@@ -41,8 +41,8 @@ build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/core_only ${absent} -D
               -DPROGRAM=${source}/tests/parts/core_program.cpp)
 run(${work}/core_only/core_only)
 
-# No components, and a codec that is not there: what the linked targets need decides. Core alone builds, and is all that
-# there is; who asks for files is told what is missing.
+# No components are named, and a codec's library is missing. A program that links only core builds; one that needs files
+# gets an error that names what is missing.
 if(NOT shared)
   set(without_webp -DCMAKE_DISABLE_FIND_PACKAGE_WebP=ON)
   build_project(${CMAKE_CURRENT_LIST_DIR}/core_only ${work}/no_components ${without_webp} -DCOMPONENT=
@@ -101,8 +101,8 @@ if(pkg_config)
   endif()
 endif()
 
-# The command and what it links with, as `scripts/welkin` builds them, can be installed: no other target's files are asked
-# for. (A copy of the build's rules, beside such files as those of ninja that make the command.)
+# After `scripts/welkin` has built the command and its libraries, they can be installed: files of no other target are
+# needed. (This works on a copy of the build's rules, next to copies of the command and its libraries.)
 if(with_command AND NOT shared AND EXISTS ${build}/build.ninja)
   set(partial ${work}/partial)
   set(rules cmake_install.cmake)

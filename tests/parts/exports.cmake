@@ -1,4 +1,4 @@
-# What a shared Welkin shows.
+# Checks the names that a shared Welkin exports.
 #
 #   cmake -D library=LIBRARY -D nm=NM -D wanted=NAME... -P exports.cmake
 #
@@ -16,8 +16,8 @@ foreach(name IN LISTS names)
   if(name MATCHES "^welkin_[a-z_]+$")
     continue()  # C
   endif()
-  # What stands in lower case before :: is a namespace. detail is what templates in public headers call; its scheduler
-  # is not.
+  # A word in lower case before :: is a namespace. Templates in public headers call functions of `detail`, but not its
+  # scheduler.
   string(REPLACE "welkin::detail::Scheduler::" "welkin::scheduler::" name "${name}")
   string(REPLACE "welkin::detail::" "welkin::" public "${name}")
   if(NOT public MATCHES "^${kind}welkin::" OR public MATCHES "welkin::[a-z_0-9]+::")

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What `welkin report` makes of three.js and Babylon.js, which prefilter in Chromium: their chains in Welkin's axes.
+# `welkin report` has three.js and Babylon.js prefilter in Chromium: checks that their chains come in Welkin's axes.
 #   webgl_live.sh WELKIN MODULES_DIR WORK_DIR PLOT_REPORT
 # Exit code 77, for ctest to call it skipped, where there is no Chromium, Node.js or packages.
 set -eu

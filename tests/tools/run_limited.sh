@@ -1,6 +1,6 @@
 #!/bin/sh
 # run_limited.sh WELKIN KILOBYTES FILE: runs `info` and `sh` on the file with so much address space (0: no limit, the
-# sanitizers need more than they are asked for) and ten seconds each, and says for both
+# sanitizers need more than the limit) and ten seconds each, and prints for both
 #   FILE COMMAND EXIT_CODE LINES_ON_STANDARD_ERROR FIRST_WORD_OF_THEM
 [ "$2" = 0 ] || ulimit -v "$2" || exit 3
 for command in info sh; do

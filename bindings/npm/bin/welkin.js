@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// The command of this machine's package, or WebAssembly where there is none (WELKIN_WASM=1 asks for it).
+// The command of this machine's package, or WebAssembly where there is none (WELKIN_WASM=1 forces it).
 import { spawn } from 'node:child_process';
 import { createRequire } from 'node:module';
 import process from 'node:process';

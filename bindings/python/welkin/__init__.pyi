@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
-# What calls take.
+# Arguments of calls.
 _Path: TypeAlias = str | os.PathLike[str]
 _File: TypeAlias = _Path | bytes
 _Array: TypeAlias = NDArray[np.float32] | NDArray[np.float16] | NDArray[np.uint8]
@@ -106,7 +106,7 @@ class _Needs(TypedDict, total=False):
     brdf_table: bool
     stored_results: bool
 
-# What calls give.
+# Results of calls.
 class _Written(TypedDict):
     files: list[Path]
     values_clamped: int

@@ -49,7 +49,7 @@ class LimitExceeded(Error, MemoryError):
 
 
 class Cancelled(Error):
-    """The caller asked for it."""
+    """The caller cancelled the call."""
 
     code = "cancelled"
 

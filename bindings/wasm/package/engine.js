@@ -1,5 +1,5 @@
-// What runs inside the worker: loads a WebAssembly module, hands it options and pixels, and takes results out of it.
-// It knows nothing of workers: worker.js and worker-node.js give it a way to load and a way to answer.
+// Runs inside the worker: loads a WebAssembly module, passes it options and pixels, and copies results out of it.
+// It is independent of the kind of worker: worker.js and worker-node.js provide a way to load and a way to answer.
 import { CHAIN_NUMBERS } from './options.js';
 import { instanceWithThreads } from './threads.js';
 

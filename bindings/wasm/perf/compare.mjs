@@ -1,5 +1,5 @@
-// scripts/wasm perf: the package beside Babylon.js's and three.js's own JavaScript, on the same faces, in one run in
-// Node.js. Medians; the package's times include the way to the worker and back.
+// scripts/wasm perf: compares the package with Babylon.js's and three.js's JavaScript, on the same faces, in one run of
+// Node.js. Prints medians; the package's times include the messages to the worker and back.
 import os from 'node:os';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';

@@ -1,4 +1,4 @@
-// How a page with a plain script tag makes a worker: its files lie beside the folder of the script.
+// Makes the worker of a page with a plain script tag, whose files are in folders next to the script's.
 let folder = new URL('../', document.currentScript.src).href;
 
 export function configurePlatform({ path }) {

@@ -36,7 +36,7 @@ async function measured(begin) {
 
 async function show(size) {
   const scene = new Scene(new Engine(document.querySelector('canvas'), false));
-  // One array for all faces, turned by their axes: it need not be a picture.
+  // All faces are one array, rotated by their axes: the content does not matter.
   const face = Float32Array.from({ length: 4 * size * size }, (_, k) => ((k % 4) + 1) * (0.2 + (k % size) / size + (k > size * size ? 1 : 0)));
   // One texel is read back, so that the upload is not part of what follows.
   const raw = async () => {

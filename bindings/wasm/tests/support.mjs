@@ -1,4 +1,4 @@
-// What the tests share: the package, where it and its companions lie, and pictures.
+// Shared by the tests: the package, the paths of it and its companions, and images.
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { crc32, deflateSync } from 'node:zlib';

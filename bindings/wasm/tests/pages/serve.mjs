@@ -1,4 +1,4 @@
-// A server of folders for pages of tests, on a port of this machine that nobody else has.
+// Serves folders to the pages of tests, on a free port of this machine.
 import { createReadStream, existsSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import path from 'node:path';
