@@ -76,14 +76,11 @@ void print_result(const std::string& text) {
 }
 
 std::vector<std::byte> read_to_end(const std::optional<std::string>& pipe, std::uint64_t most) {
-  constexpr std::size_t kBlock = std::size_t{1} << 20U;
   PipeEnd end(pipe);
   std::vector<std::byte> bytes;
-  for (std::size_t count = kBlock; count > 0;) {
-    const std::size_t before = bytes.size();
-    bytes.resize(before + kBlock);
-    count = end.read(std::span(bytes).subspan(before));
-    bytes.resize(before + count);
+  std::vector<std::byte> block(std::size_t{1} << 20U);
+  while (const std::size_t count = end.read(block)) {
+    bytes.insert(bytes.end(), block.data(), block.data() + count);
     if (bytes.size() <= most) continue;
     throw Error(ErrorCode::limit_exceeded, pipe.value_or("standard input") + ": has more than the " +
                                                std::to_string(most) +

@@ -156,7 +156,7 @@ const welkin_chain& levels_of(const welkin_chain* chain, const char* name) {
 
 /// The chain once more, in memory that can be turned to another engine's axes.
 Cubemap copy_of(const welkin_chain& chain) {
-  Cubemap copy(chain.levels.front().size, static_cast<int>(chain.levels.size()));
+  Cubemap copy(chain.levels.front().size, static_cast<int>(chain.levels.size()), new_delete_resource());
   for (int level = 0; level < copy.levels(); ++level) {
     const CubemapView& from = chain.levels[static_cast<std::size_t>(level)];
     const auto edge = static_cast<std::size_t>(from.size);

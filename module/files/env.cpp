@@ -388,7 +388,7 @@ BabylonEnvironment read_babylon_environment(const FileInput& input, std::uint64_
 
 Cubemap mirrored_x(const Cubemap& cubemap) {
   if (cubemap.levels() == 0) return {};
-  Cubemap mirrored(cubemap.size(), cubemap.levels());
+  Cubemap mirrored(cubemap.size(), cubemap.levels(), new_delete_resource());
   for (int level = 0; level < cubemap.levels(); ++level) {
     for (int side = 0; side < 6; ++side) {
       files::mirror_face(cubemap.face(level, side), cubemap.level_size(level),

@@ -197,7 +197,7 @@ void reduce_face(const OutputImage& source, int size, float* to) {
 
 /// Smaller faces for a level that was not given.
 Cubemap reduced(const CubemapView& source, int size) {
-  Cubemap smaller(size);
+  Cubemap smaller(size, 1, new_delete_resource());
   for (int face = 0; face < 6; ++face) reduce_face(OutputImage(source, face), size, smaller.face(face));
   return smaller;
 }
@@ -205,7 +205,7 @@ Cubemap reduced(const CubemapView& source, int size) {
 /// All six faces in the mean of all texels, one texel each.
 Cubemap one_colour(const CubemapView& source) {
   const Cubemap faces = reduced(source, 1);
-  Cubemap result(1);
+  Cubemap result(1, 1, new_delete_resource());
   for (std::size_t i = 0; i < 18; ++i) {
     double sum = 0.0;
     for (std::size_t face = 0; face < 6; ++face) sum += static_cast<double>(faces.pixels()[3 * face + i % 3]);

@@ -86,7 +86,7 @@ void reduce_row(const CubemapView& cubemap, int target, int face, int cell_row, 
 
 Cubemap reduce_by_box(const CubemapView& cubemap, int target, const ProjectionOptions& options,
                       const Control& control) {
-  Cubemap reduced(target);
+  Cubemap reduced(target, 1, new_delete_resource());
   const std::int64_t texels = std::int64_t{6} * cubemap.size * cubemap.size;
   const jobs::Placement placement = jobs::placement_for(texels);
   const auto row_floats = static_cast<std::size_t>(3 * cubemap.size);

@@ -15,11 +15,11 @@ std::vector<double> TileSums::sum() const {
 }
 
 void TileSums::total(std::span<glm::dvec3> coefficients) const noexcept {
-  for (std::size_t f = 0; f < functions; ++f) {
-    glm::dvec3 sum(0.0);
-    for (std::size_t at = f; at < values.size(); at += 3 * functions)
-      sum += glm::dvec3(values[at], values[at + functions], values[at + 2 * functions]);
-    coefficients[f] = sum;
+  std::fill_n(coefficients.begin(), functions, glm::dvec3(0.0));
+  for (std::size_t at = 0; at < values.size(); at += 3 * functions) {
+    const double* const slot = values.data() + at;
+    for (std::size_t f = 0; f < functions; ++f)
+      coefficients[f] += glm::dvec3(slot[f], slot[f + functions], slot[f + 2 * functions]);
   }
 }
 

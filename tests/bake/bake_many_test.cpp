@@ -8,6 +8,7 @@
 #include "support/thrown_error.h"
 #include "welkin/bake.h"
 #include "welkin/core.h"
+#include "welkin/projection.h"
 #include "welkin/resampling.h"
 #include "welkin/result_cache.h"
 
@@ -279,6 +280,14 @@ TEST_CASE("memory: a bake that a cache knows takes as much as the others", "[bak
     CHECK(memory.held() == bytes);
     CHECK(memory.taken() == bytes);
   }
+}
+
+TEST_CASE("memory: the default resource holds results alone", "[bake]") {
+  const Cubemap cube = to_cubemap(make_lat_long(Content::smooth, 32, 16, 5).view(), 16);
+  std::pmr::memory_resource* const before = std::pmr::set_default_resource(std::pmr::null_memory_resource());
+  CHECK_NOTHROW(project(cube.view(), {.quadrature = Quadrature::midpoint, .target_size = 8}));
+  CHECK_THROWS_AS(build_mips(cube.view()), std::bad_alloc);
+  std::pmr::set_default_resource(before);
 }
 
 TEST_CASE("memory: chains fit into one block of the caller's", "[bake]") {

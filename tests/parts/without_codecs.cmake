@@ -11,7 +11,7 @@ endforeach()
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR}/without_codecs -B ${work} -G ${generator} -DCMAKE_BUILD_TYPE=Debug
     -DCMAKE_C_COMPILER=${c_compiler} -DCMAKE_CXX_COMPILER=${compiler} -DCMAKE_CXX_FLAGS=${flags}
     -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_C_COMPILER_LAUNCHER=${c_launcher} -DCMAKE_CXX_COMPILER_LAUNCHER=${launcher}
-    -DWELKIN_SOURCE=${source} -DWELKIN_CORE=${core} ${absent}
+    -DWELKIN_SOURCE=${source} -DWELKIN_CORE=${core} -DWELKIN_LIBRARY_TOGETHER=ON ${absent}
     -DWELKIN_EXR=OFF -DWELKIN_PNG=OFF -DWELKIN_WEBP=OFF -DWELKIN_ZLIB=OFF -DWELKIN_ZSTD=OFF -DWELKIN_ASTC=OFF
     -DWELKIN_JPEG=OFF)
 run(${CMAKE_COMMAND} --build ${work} --target refusing)

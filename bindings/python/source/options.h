@@ -95,9 +95,9 @@ class Options {
   /// The same for what has names.
   template <class Value, std::size_t Count>
   void read(const char* name, Value& value, const Named<Value> (&table)[Count]) {
-    std::string given;
+    std::optional<std::string> given;
     read(name, given);
-    if (!given.empty()) value = value_of<Value>(called(name), given, table);
+    if (given) value = value_of<Value>(called(name), *given, table);
   }
 
   /// The options in a dictionary of its own: `True` for the defaults, `False` for none at all. Absent: `by_default`.

@@ -39,6 +39,8 @@ def test_schedules_are_named():
     assert welkin.mip_for_roughness(roughness, roughness[2]) == pytest.approx(2)
     with pytest.raises(welkin.InvalidArgument, match="unreal"):
         welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="steep")
+    with pytest.raises(welkin.InvalidArgument, match="unreal"):
+        welkin.prefilter(np.ones((8, 16, 3), np.float32), roughness="")
 
 
 def test_lobes_are_fitted_to_lookups():
