@@ -30,12 +30,12 @@ namespace {
 
 constexpr double kTruthError = 1e-4;
 constexpr double kFitError = 1e-3;
-/// Mips that are nearer to the truth of their stated roughness are not fitted.
+/// Mips that are nearer to the reference of their stated roughness are not fitted.
 constexpr double kExact = 1e-3;
-/// Relative differences of means that are told.
+/// Smaller relative differences of means are not reported.
 constexpr double kScaleTold = 0.02;
 
-/// Makes truths of one mip: GGX or Lambert lobes, by Welkin's own prefilter.
+/// Makes references of one mip: GGX or Lambert lobes, by Welkin's own prefilter.
 class Truths {
  public:
   Truths(const EnvironmentView& source, const PixelPolicy& pixels, const Control& control)
@@ -53,7 +53,7 @@ class Truths {
   }
 
  private:
-  /// Narrow lobes of a few lamps miss the tightest bounds.
+  /// Loosens bounds that are too tight for narrow lobes of a few lamps.
   [[nodiscard]] Cubemap within(PrefilterOptions options) const {
     constexpr double kLoosest = 1e-2;
     for (;; options.rms_error *= 10.0) {
@@ -70,7 +70,7 @@ class Truths {
   Control control_;
 };
 
-/// Sums over a mip and a truth in the mip's placement, weighted by solid angle.
+/// Sums over a mip and its reference in the mip's placement, weighted by solid angle.
 struct Sums {
   glm::dvec3 image{};
   glm::dvec3 truth{};
@@ -94,7 +94,7 @@ glm::dvec3 rgb_at(const Cubemap& image, int face, int column, int row) {
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// Calls `use(image, truth, weight, place)` for each texel of a mip, with what the truth has there.
+/// Calls `use(image, truth, weight, texel)` for each texel of a mip, with the reference's value there.
 template <class Use>
 void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement, const Use& use) {
   const int size = image.size();
@@ -112,7 +112,7 @@ void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlace
   }
 }
 
-/// Of the image against scale times the truth.
+/// Compares the image with the scaled reference.
 Sums sums_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
              const glm::dvec3& scale = glm::dvec3(1.0)) {
   Sums sums;
@@ -147,7 +147,7 @@ MipErrors errors_of(const Cubemap& image, const Cubemap& truth, const ChainPlace
   return errors;
 }
 
-/// The roughness whose truth differs least from a mip of any scale, and that difference.
+/// The roughness whose reference is nearest to a mip at any scale, that scale, and their difference.
 struct Fit {
   double roughness = 0.0;
   glm::dvec3 scale{1.0};
@@ -160,7 +160,7 @@ class RoughnessFit {
   RoughnessFit(const Cubemap& image, const ChainPlacement& placement, const Truths& truths)
       : image_(image), placement_(placement), truths_(truths) {}
 
-  /// Looks at a few roughnesses from `least` on, then between the neighbours of the best by golden sections.
+  /// Tries several roughnesses from `minimum` up, then searches around the best by golden sections.
   Fit search(double least) {
     fit_ = {};
     std::vector<double> tried = {least};
@@ -188,7 +188,7 @@ class RoughnessFit {
     return fit_;
   }
 
-  /// Whether that roughness is better than all before.
+  /// Returns whether that roughness is better than all before.
   bool consider(double roughness, LobeFamily lobe = LobeFamily::ggx) {
     const Cubemap truth = truths_.at(image_.size(), roughness, kFitError, lobe);
     const glm::dvec3 scale = sums_of(image_, truth, placement_).scale();
@@ -200,7 +200,7 @@ class RoughnessFit {
   }
 
   [[nodiscard]] const Fit& best() const noexcept { return fit_; }
-  /// Whether roughness made a difference: in even light it makes none.
+  /// Returns whether roughness made a difference: in uniform light it makes none.
   [[nodiscard]] bool is_telling() const noexcept { return worst_ > kExact && worst_ > 1.5 * fit_.rest; }
 
  private:
@@ -211,7 +211,7 @@ class RoughnessFit {
   double worst_ = 0.0;
 };
 
-/// Counts NaN and infinities, and puts 0 in their place.
+/// Counts NaN and infinities, and replaces them with 0.
 std::uint64_t replace_odd_values(Cubemap& image) {
   std::uint64_t odd = 0;
   for (float& value : image.pixels()) {
@@ -227,13 +227,13 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Pairs of faces along whose common edge the relative rest is three times that of texels a few rows inside, and 1 %.
+/// Returns pairs of faces at whose edge the relative rest is three times that of texels a few rows inside, and 1 %.
 std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
                                   const glm::dvec3& scale) {
   const int size = image.size();
   if (size < 8) return {};
   struct Edge {
-    std::vector<double> outermost;  ///< relative squares, by texel
+    std::vector<double> outermost;  ///< relative squares by texel
     std::vector<double> inside;
   };
   std::array<std::array<Edge, 6>, 6> edges;  // by the texels' face and the one beyond
@@ -258,7 +258,7 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   const auto is_seam = [&](int face, int beyond) {
     const Edge& edge = edges[static_cast<std::size_t>(face)][static_cast<std::size_t>(beyond)];
     if (edge.outermost.empty()) return false;  // opposite faces
-    // Medians, so that a lamp is no seam and hides none.
+    // The median keeps a lamp from looking like a seam or hiding one.
     const double rest = median(edge.outermost);
     return rest > 9.0 * median(edge.inside) && rest > 1e-4;
   };
@@ -273,13 +273,13 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   return seams;
 }
 
-/// The root mean square distance of the fitted roughness of the mips after the first to a table's; without any the
-/// largest number.
+/// Returns the root mean square distance between a table and the fitted roughness of the mips after the first; the
+/// largest number if no mip was fitted.
 double distance_to(const std::vector<double>& table, const std::vector<MipCheck>& mips) {
   double squares = 0.0;
   int fitted = 0;
   for (std::size_t mip = 1; mip < mips.size(); ++mip) {
-    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels tells little of its lobe
+    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels says little about its lobe
     const double distance = *mips[mip].fitted - table[mip];
     squares += distance * distance;
     ++fitted;
@@ -287,8 +287,8 @@ double distance_to(const std::vector<double>& table, const std::vector<MipCheck>
   return fitted > 0 ? std::sqrt(squares / fitted) : std::numeric_limits<double>::max();
 }
 
-/// The schedule that is nearest to the fitted roughness of the mips after the first. Or the one that is stated, if its
-/// lobes for lookups between mips are much nearer than its own.
+/// Finds the schedule that is nearest to the fitted roughness of the mips after the first, or the stated schedule if
+/// its lobes for lookups between mips are much nearer.
 void find_schedule(ChainCheck& check, const std::vector<double>& stated) {
   const int mips = static_cast<int>(check.mips.size());
   const int size = check.mips.front().size;
@@ -395,8 +395,8 @@ void add_findings(ChainCheck& check, bool is_stated) {
   add_seam_findings(check);
 }
 
-/// The largest value of a mip, if cutting the truth there halves what remains of one or the other scale: where values
-/// are clipped, means fall too.
+/// Returns the largest value of a mip if clipping the reference there halves the rest at its scale or at 1 (clipped
+/// values lower the means too); nothing otherwise.
 std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
                                  const glm::dvec3& own_scale) {
   constexpr double kTold = 0.01;
@@ -415,14 +415,14 @@ std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, con
   return std::nullopt;
 }
 
-/// The parts of a mip's check that need no roughness: what fits it best.
+/// Fits a mip without regard to the schedule.
 void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double least,
              bool is_only_one) {
-  // Many truths of a large mip would take minutes.
+  // Many references of a large mip would take minutes.
   constexpr int kLargestFitted = 256;
   const Cubemap fitted = image.size() > kLargestFitted ? to_cubemap(image.view(), kLargestFitted) : image;
   RoughnessFit fit(fitted, check.placement, truths);
-  // A mip that is what it says needs no search.
+  // A mip that matches its stated roughness needs no search.
   if (mip.roughness >= 0.0 && fit.consider(mip.roughness) && fit.best().rest < kExact) {
     mip.fitted = mip.roughness;
   } else {
@@ -439,7 +439,7 @@ void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truth
   mip.rest = fit.best().rest;
 }
 
-/// The placement by the truth that looks most like the first mip, which may be a mirror, rough, or irradiance.
+/// Returns the placement by the reference most similar to the first mip, which may be a mirror, rough, or irradiance.
 ChainPlacement find_placement(const Cubemap& image, const Truths& truths) {
   const int size = std::min(image.size(), 32);
   const Cubemap small = to_cubemap(image.view(), size);
@@ -526,7 +526,7 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
     if (!check.fits_lookups) each.lobe_roughness = each.roughness;
     const Cubemap truth = truths.at(each.size, each.lobe_roughness, kTruthError, check.lobe, check.unit);
     each.errors = errors_of(images[mip], truth, check.placement);
-    each.rest = std::min(each.rest, each.errors.rms);  // whose truth is more exact than those of the search
+    each.rest = std::min(each.rest, each.errors.rms);  // its reference is more exact than those of the search
     const Cubemap nearest = each.fitted ? truths.at(each.size, *each.fitted, kFitError) : Cubemap();
     const Cubemap& compared = each.fitted ? nearest : truth;
     each.clipped_at = clipped_at(images[mip], truth, check.placement, each.scale);

@@ -1,4 +1,4 @@
-// How a chain's faces and channels lie, found by comparing small images.
+// Finds the placement of a chain's faces and channels by comparing small images.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ std::size_t index_of(const FaceMapping& place) {
                                   (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0));
 }
 
-/// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
+/// Returns all faces' placements if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
 std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
   constexpr int kSize = 2;
   std::array<FaceMapping, 6> places{};
@@ -48,7 +48,7 @@ std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
       return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
     };
-    // The first texel's neighbours lie on its right and below it, unless the face is mirrored or transposed.
+    // The first texel's neighbours are to its right and below it, unless the face is mirrored or transposed.
     const CubeTexel first = shown(0, 0);
     const CubeTexel right = shown(1, 0);
     const CubeTexel below = shown(0, 1);
@@ -58,7 +58,7 @@ std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
   return places;
 }
 
-/// All 48: permutations of the axes with signs, the identity first.
+/// Returns all 48 symmetries: permutations of the axes with signs, the identity first.
 std::vector<glm::dmat3> cube_symmetries() {
   std::vector<glm::dmat3> symmetries;
   std::array<int, 3> axes = {0, 1, 2};
@@ -74,8 +74,8 @@ std::vector<glm::dmat3> cube_symmetries() {
   return symmetries;
 }
 
-/// Channels compressed to x / (x + median): differences of a lamp and of a wall count alike, and a clipped sun does not
-/// change the rest.
+/// Returns channels compressed to x / (x + median): differences of a lamp and of a wall count equally, and a clipped
+/// sun does not change the rest.
 std::vector<glm::dvec3> compressed(const Cubemap& image) {
   const std::span<const float> values = image.pixels();
   std::vector<float> sorted(values.begin(), values.end());
@@ -92,7 +92,7 @@ std::vector<glm::dvec3> compressed(const Cubemap& image) {
   return texels;
 }
 
-/// Squares of differences between each face of the image and each face of the truth in each place.
+/// Squared differences between each face of the image and each face of the reference in each placement.
 class Differences {
  public:
   Differences(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size) {
@@ -110,7 +110,7 @@ class Differences {
     return sum;
   }
 
-  /// The best place of each face for itself.
+  /// Returns the best placement of each face by itself.
   [[nodiscard]] std::array<FaceMapping, 6> each() const {
     std::array<FaceMapping, 6> places{};
     for (std::size_t face = 0; face < 6; ++face) {
@@ -121,7 +121,7 @@ class Differences {
   }
 
  private:
-  // By the sum of channels, whatever their order.
+  // Compares the sums of channels, which do not depend on their order.
   static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
                         const FaceMapping& place) {
     double sum = 0.0;
@@ -143,7 +143,7 @@ class Differences {
   std::array<std::array<double, kPlaces>, 6> squares_{};
 };
 
-/// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
+/// Returns the channel order nearest to the reference; the unchanged order unless another halves the difference.
 std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size,
                                const std::array<FaceMapping, 6>& faces) {
   const auto differences = [&](const std::array<int, 3>& channels) {
@@ -197,7 +197,7 @@ std::string matrix_words(const glm::dmat3& matrix) {
     if (matrix == mirror) return std::string("mirrored in ") + "xyz"[axis];
   }
   for (const int degrees : {90, 180, 270}) {
-    // Direction d shows `matrix` d, so the surroundings are turned the other way.
+    // Direction d shows `matrix` d, so the surroundings rotate the other way.
     const glm::dmat3 rotation = rotation_about_y(-degrees);
     if (matrix == glm::dmat3(glm::round(rotation[0]), glm::round(rotation[1]), glm::round(rotation[2]))) {
       return "rotated by " + std::to_string(degrees) + " degrees about y";
@@ -207,7 +207,7 @@ std::string matrix_words(const glm::dmat3& matrix) {
          axis_words(matrix[2]);
 }
 
-/// " (the faces of Babylon.js)" if an engine stores them so.
+/// Returns ", as Babylon.js has them" if engines store faces so.
 std::string engine_words(const glm::dmat3& matrix) {
   std::vector<std::string> engines;
   for (const Convention& each : conventions()) {

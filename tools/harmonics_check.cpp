@@ -1,4 +1,4 @@
-// A file of spherical harmonics against the light that it was made from.
+// Checks a file of spherical harmonics against the light that it was made from.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -105,7 +105,7 @@ std::optional<HarmonicsFile> read_own(const std::filesystem::path& file) {
   }
 }
 
-/// Meanings of three bands, by their factors over radiance.
+/// A meaning of three bands, by their factors over radiance.
 struct Form {
   const char* words;
   std::array<double, kBands> factors;
@@ -115,7 +115,7 @@ std::vector<Form> forms() {
   const std::array<double, kBands> cosine = {cosine_lobe(0), cosine_lobe(1), cosine_lobe(2)};
   std::vector<Form> forms = {{"radiance", {1.0, 1.0, 1.0}}, {"irradiance", cosine}};
   Form divided{"irradiance / pi", {}};
-  // Babylon.js applies the cosine's factors once more, and its shader takes that back.
+  // Babylon.js applies the cosine's factors once more, and its shader reverses that.
   Form babylon{"Babylon.js's polynomial", {}};
   for (std::size_t band = 0; band < kBands; ++band) {
     divided.factors[band] = cosine[band] / std::numbers::pi;
@@ -126,7 +126,7 @@ std::vector<Form> forms() {
   return forms;
 }
 
-/// The factor of each band of `image` over `light`, by least squares.
+/// Returns the factor of each band of `image` over `light`, by least squares.
 std::array<double, kBands> factors_of(const SphericalHarmonics& image, const SphericalHarmonics& light) {
   std::array<double, kBands> factors{};
   for (int band = 0; band < kBands; ++band) {
@@ -141,7 +141,7 @@ std::array<double, kBands> factors_of(const SphericalHarmonics& image, const Sph
   return factors;
 }
 
-/// The light as the file's axes and channels have it.
+/// Returns the light in the file's axes and channels.
 SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement& placement) {
   const SphericalHarmonics rotated_light = placement.matrix ? rotate(light, glm::transpose(*placement.matrix)) : light;
   SphericalHarmonics result(rotated_light.bands());
@@ -154,7 +154,7 @@ SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement&
   return result;
 }
 
-/// The light as a form has it.
+/// Returns the light in a form.
 SphericalHarmonics formed(SphericalHarmonics light, const Form& form) {
   for (int band = 0; band < kBands; ++band) {
     for (int order = -band; order <= band; ++order) {
@@ -213,7 +213,7 @@ HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView&
   options.pixels = pixels;
   const SphericalHarmonics light = project(source, options, {control.stop, {}}).radiance;
   HarmonicsCheck check;
-  // The form is not known yet: the placement is that of the form which is nearest in shape.
+  // The form is not known yet: use the placement of the form with the nearest shape.
   double least = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
     const PlacementFit fit = placement_of(file.values, sampled(formed(light, form)));

@@ -1,4 +1,4 @@
-// `welkin info`: what is in an environment file.
+// `welkin info`: describes an environment file.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,7 +16,7 @@
 namespace welkin::tool {
 namespace {
 
-/// What was found, before it is put into words or JSON.
+/// The findings, before they are printed as text or JSON.
 struct InfoReport {
   EnvironmentInfo file;
   EnvironmentStatistics pixels;
@@ -96,7 +96,7 @@ std::string levels_text(const EnvironmentInfo& file) {
          std::to_string(last.height) + " (--level)";
 }
 
-// What few files have.
+// Returns lines about properties that few files have.
 std::string further_lines(const EnvironmentInfo& file) {
   std::string text;
   if (file.levels.size() > 1) text += line("mip levels", levels_text(file));
