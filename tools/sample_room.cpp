@@ -22,7 +22,7 @@ using glm::dvec3;
 
 constexpr double kPi = 3.14159265358979323846;
 
-// The scene: metres, y up, the viewer at kEye. Everything is a box along the axes; colours are linear.
+// The scene: metres, y up, the viewer at kEye. All objects are boxes along the axes; colours are linear.
 
 enum class Pattern { plain, planks, rug, books, painting };
 
@@ -30,14 +30,14 @@ struct Box {
   dvec3 low;
   dvec3 high;
   dvec3 albedo;
-  dvec3 glow{0.0};  ///< radiance of what shines by itself
+  dvec3 glow{0.0};  ///< emitted radiance
   Pattern pattern = Pattern::plain;
 };
 
 bool shines(const Box& box) { return box.glow.x > 0.0; }
 
 const dvec3 kEye(0.0, 1.5, 0.0);
-// Light is kept where a point is in here: the room, and the recess of its window.
+// Light is stored for points inside these bounds: the room, and the recess of its window.
 const dvec3 kRoomLow(-3.0, 0.0, -2.6);
 const dvec3 kRoomHigh(3.25, 2.8, 3.5);
 // The window: y and z of its opening, and the middle of the wall that it is in.
@@ -54,7 +54,7 @@ const dvec3 kBulb(85.0, 64.0, 40.0);
 
 std::vector<Box> scene() {
   std::vector<Box> boxes{
-      // The shell; its +x wall is what is left around the window.
+      // The shell; its +x wall surrounds the window.
       {{-3.2, -0.2, -2.8}, {3.25, 0.0, 3.7}, kWood, {}, Pattern::planks},
       {{-3.2, 2.8, -2.8}, {3.25, 3.0, 3.7}, {0.84, 0.83, 0.81}},
       {{-3.2, 0.0, 3.5}, {3.25, 2.8, 3.7}, kTeal},
@@ -128,7 +128,7 @@ std::vector<Box> scene() {
   return boxes;
 }
 
-/// Evenly spread in [0, 1), the same for the same number.
+/// Returns a hash of the number that is uniform in [0, 1).
 double scattered(std::uint32_t number) {
   number = (number ^ (number >> 16U)) * 0x7feb352dU;
   number = (number ^ (number >> 15U)) * 0x846ca68bU;
@@ -140,7 +140,7 @@ double cell_noise(double a, double b) {
   return scattered(whole(a) * 8191U + whole(b));
 }
 
-/// The colour at a place on a box, whose mean over the box is about its albedo.
+/// Returns the colour of a point on a box, whose mean over the box is about its albedo.
 dvec3 albedo_at(const Box& box, const dvec3& place) {
   switch (box.pattern) {
     case Pattern::plain: break;
@@ -215,7 +215,7 @@ dvec3 sky(const dvec3& unit) {
 // Rays.
 
 constexpr double kFar = 1e9;
-constexpr double kOff = 1e-4;  // by how much rays begin before the surface that they leave
+constexpr double kOff = 1e-4;  // distance of a ray's origin from its surface
 
 struct Hit {
   double distance = kFar;
@@ -223,7 +223,7 @@ struct Hit {
   int axis = 0;              ///< of the face that was hit
 };
 
-/// Where a ray enters a box and by which axis: `kFar` if it passes by, 0 from inside.
+/// Returns the distance at which a ray enters a box, and the axis of that face: `kFar` if it passes by, 0 from inside.
 Hit entered(const Box& box, const dvec3& from, const dvec3& inverse) {
   const dvec3 a = (box.low - from) * inverse;
   const dvec3 b = (box.high - from) * inverse;
@@ -257,27 +257,27 @@ bool is_free(const std::vector<Box>& boxes, const dvec3& from, const dvec3& unit
                       [&](const Box& box) { return !shines(box) && entered(box, from, inverse).distance < distance; });
 }
 
-// Light on surfaces, kept for squares.
+// Light on surfaces, stored per square.
 
 struct Face {
-  std::size_t first = 0;  ///< of its squares
+  std::size_t first = 0;  ///< index of its first square
   int columns = 0;
   int rows = 0;
 };
 
 struct Square {
-  dvec3 place;  ///< just before the surface
+  dvec3 place;  ///< just in front of the surface
   dvec3 normal;
-  int set = 0;             ///< of directions, 0 to 8: all nine lie in three by three squares
-  bool is_inside = false;  ///< else it is on the outside of the house
+  int set = 0;             ///< index of its set of directions, 0 to 8: three by three squares have all nine
+  bool is_inside = false;  ///< false: on the outside of the house
 };
 
-/// A face of a box: of -x +x -y +y -z +z.
+/// A face of a box, in the order -x +x -y +y -z +z.
 struct Side {
   explicit Side(int face) : axis(face / 2), u((axis + 1) % 3), v((axis + 2) % 3), is_high(face % 2 == 1) {
     normal[axis] = is_high ? 1.0 : -1.0;
   }
-  /// A place on it: (across, down) from 0 to 1.
+  /// Returns a point on it: (across, down) from 0 to 1.
   [[nodiscard]] dvec3 at(const Box& box, double across, double down) const {
     dvec3 place(is_high ? box.high : box.low);
     place[u] = glm::mix(box.low[u], box.high[u], across);
@@ -314,7 +314,7 @@ class LitRoom {
     }
   }
 
-  /// Radiance that arrives at the eye.
+  /// Returns the radiance that arrives at the eye.
   [[nodiscard]] dvec3 seen(const dvec3& unit) const {
     const Hit hit = traced(boxes_, kEye, unit);
     if (hit.box == nullptr) return sky(unit);
@@ -352,7 +352,7 @@ class LitRoom {
                     });
   }
 
-  /// What a patch of light adds to a square's irradiance, per radiance. `unit`: the direction to it.
+  /// Returns the irradiance of a square by a patch of light, per radiance. `unit`: the direction to it.
   [[nodiscard]] double share_of(const Square& square, const dvec3& patch, const dvec3& normal, double area,
                                 dvec3& unit) const {
     const dvec3 path = patch - square.place;
@@ -361,7 +361,7 @@ class LitRoom {
     unit = path / distance;
     const double cosines = std::max(0.0, glm::dot(unit, square.normal)) * std::max(0.0, -glm::dot(unit, normal));
     if (cosines <= 0.0 || !is_free(boxes_, square.place, unit, distance - kOff)) return 0.0;
-    return cosines * area / (squared + area / kPi);  // bounded, close to a patch
+    return cosines * area / (squared + area / kPi);  // bounded close to a patch
   }
 
   [[nodiscard]] dvec3 from_lamps(const Square& square) const {
@@ -403,7 +403,7 @@ class LitRoom {
     return cosine > 0.0 && is_free(boxes_, place, kSun, kFar) ? kSunIrradiance * cosine : dvec3(0.0);
   }
 
-  /// The light that surfaces reflect to a square.
+  /// Returns the light that surfaces reflect to a square.
   [[nodiscard]] dvec3 gather(const Square& square) const {
     constexpr int kDirections = 32;
     const int axis = square.normal.x != 0.0 ? 0 : square.normal.y != 0.0 ? 1 : 2;
@@ -423,7 +423,7 @@ class LitRoom {
     return sum / static_cast<double>(kDirections);
   }
 
-  /// Adds to a face's squares the mean over three by three of them.
+  /// Adds the mean over three by three squares to each square of a face.
   void add_means(const Face& face, const std::vector<dvec3>& gathered) {
     for (int k = 0; k < face.columns * face.rows; ++k) {
       dvec3 sum(0.0);
@@ -433,13 +433,13 @@ class LitRoom {
     }
   }
 
-  /// Of a square; outside of the face that of the nearest.
+  /// Returns the index of a square; outside of the face that of the nearest.
   static std::size_t index(const Face& face, int column, int row) {
     return face.first + static_cast<std::size_t>(std::clamp(row, 0, face.rows - 1) * face.columns +
                                                  std::clamp(column, 0, face.columns - 1));
   }
 
-  /// Between the four nearest squares.
+  /// Interpolates between the four nearest squares.
   [[nodiscard]] dvec3 soft_at(const Hit& hit, const dvec3& place, const Side& side) const {
     const auto box = static_cast<std::size_t>(hit.box - boxes_.data());
     const Face& face = faces_[6 * box + 2 * static_cast<std::size_t>(side.axis) + (side.is_high ? 1 : 0)];
@@ -452,16 +452,16 @@ class LitRoom {
 
   std::vector<Box> boxes_;
   double square_m_;          ///< the longest edge of a square
-  std::vector<Face> faces_;  ///< six a box
+  std::vector<Face> faces_;  ///< six per box
   std::vector<Square> squares_;
-  std::vector<dvec3> soft_;  ///< irradiance of squares: of all but the sun's own light, once the room is lit
+  std::vector<dvec3> soft_;  ///< irradiance of squares: in the lit room all except direct sunlight
 };
 
 }  // namespace
 
 LatLongImage sample_room(int width, int height, const Control& control) {
   image::check_lat_long_size(width, height);
-  constexpr double kLit = 0.6;                                 // share of the time
+  constexpr double kLit = 0.6;                                 // fraction of the progress
   const double square_m = std::clamp(20.0 / width, 0.1, 0.3);  // finer than texels show
   const LitRoom room(square_m, jobs::part_of(control, 0.0, kLit));
   LatLongImage image{

@@ -95,7 +95,7 @@ std::string NumberColumn::cell(double value, std::size_t width) const {
   const auto format = scientific_ ? std::chars_format::scientific : std::chars_format::fixed;
   const std::string text = platform::number_text(value, format, decimals_);
   const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  // A rounded-away negative would print as "-0.0000", which reads as a claim about its sign.
+  // A negative number that rounds to 0 would print as "-0.0000", which suggests a sign.
   const std::string unsigned_zero = is_zero && text.front() == '-' ? text.substr(1) : text;
   return ' ' + pad_left(unsigned_zero, width - 1);
 }
