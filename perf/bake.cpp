@@ -57,20 +57,20 @@ void add_bake_many(bool in_one_call) {
   add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), kThreadCounts, texels, 8.0 * texels, [=] {
     const Cubemap image = to_cubemap(sky_image()->view(), 64);
     const auto source = std::make_shared<const report::FormattedCubemap>(image, PixelFormat::rgba16f);
-    const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
+    const auto out = std::make_shared<const ProbeTargets>(kMany, 64, 5);
     return [=, light = std::vector<dvec3>(std::size_t{9} * kMany)]() mutable {
       const std::vector<CubemapView> probes(kMany, source->view());
       const PrefilterOptions options{.size = 64, .mips = 5};
       if (in_one_call) {
-        benchmark::DoNotOptimize(bake_many(probes, room->targets, light, options));
+        benchmark::DoNotOptimize(bake_many(probes, out->targets, light, options));
       } else {
         for (std::size_t k = 0; k < kMany; ++k) {
           benchmark::DoNotOptimize(project(probes[k]));
           const PrefilteredSpecular chain = prefilter_specular(probes[k], options);
-          store_texels(chain.cubemap, std::span(room->targets).subspan(5 * k, 5));
+          store_texels(chain.cubemap, std::span(out->targets).subspan(5 * k, 5));
         }
       }
-      benchmark::DoNotOptimize(room->memory.data());
+      benchmark::DoNotOptimize(out->memory.data());
     };
   });
 }

@@ -208,7 +208,7 @@ long resident_megabytes() {
 struct Row {
   std::array<double, 7> values{};  ///< ms of the first, second, last and fastest later call; faults of first, last; MiB
 
-  void keep_least(const Row& other) {
+  void lower_to(const Row& other) {
     for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::min(values[k], other.values[k]);
   }
 };
@@ -267,7 +267,7 @@ std::vector<std::string> row_of(const std::filesystem::path& program, const Oper
                                 const Sources& sources, int threads, const Options& options) {
   const std::filesystem::path folder = sources.write(operation);
   const std::filesystem::path output = folder / "row";
-  Row least;
+  Row minimum;
   for (int run = 0; run < options.runs; ++run) {
     const report::ProcessResult result =
         report::run_process({program.string(), "--cold-calls", operation.name, folder.string(), std::to_string(threads),
@@ -277,10 +277,10 @@ std::vector<std::string> row_of(const std::filesystem::path& program, const Oper
     std::ifstream stream(output);
     for (double& value : row.values) stream >> value;
     if (result.exit_code != 0 || !stream) throw Error(ErrorCode::file_access, operation.name + ": the process failed");
-    if (run == 0) least = row;
-    least.keep_least(row);
+    if (run == 0) minimum = row;
+    minimum.lower_to(row);
   }
-  const auto& [first, second, last, warm, first_faults, last_faults, resident] = least.values;
+  const auto& [first, second, last, warm, first_faults, last_faults, resident] = minimum.values;
   return {operation.name,
           digits(first),
           digits(second),
@@ -335,10 +335,10 @@ std::vector<Operation> operations_within(double rms_error) {
     all.push_back({"64 probes of 64 halves, " + std::to_string(mips) + " mips", Kind::cube, 64, 1,
                    [=](const Pixels& pixels) -> Call {
                      const auto source = std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
-                     const auto room = std::make_shared<const ProbeTargets>(64, 64, mips);
+                     const auto out = std::make_shared<const ProbeTargets>(64, 64, mips);
                      return [=, light = std::vector<dvec3>(std::size_t{9} * 64)]() mutable {
                        const PrefilterOptions options{.size = 64, .mips = mips, .rms_error = rms_error};
-                       use(bake_many(std::vector<CubemapView>(64, source->view()), room->targets, light, options, 3));
+                       use(bake_many(std::vector<CubemapView>(64, source->view()), out->targets, light, options, 3));
                      };
                    }});
   };

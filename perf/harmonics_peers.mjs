@@ -1,5 +1,5 @@
-// node perf/harmonics_peers.mjs FOLDER, which holds node_modules/three: microseconds of processor time of three.js for
-// what `welkin_perf --benchmark_filter=Harmonics` measures of Welkin (it has no product and no rotation).
+// node perf/harmonics_peers.mjs FOLDER, which holds node_modules/three: microseconds of CPU time of three.js for the
+// work of `welkin_perf --benchmark_filter=Harmonics` (three.js has no product and no rotation).
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
 

@@ -69,9 +69,9 @@ std::vector<FileInput> files() {
   return inputs;
 }
 
-void add(const char* variant, double bytes_a_probe, const std::function<std::function<void()>()>& make) {
+void add(const char* variant, double bytes_per_probe, const std::function<std::function<void()>()>& make) {
   const auto count = static_cast<double>(kGrid.size());
-  add_benchmark("Probes", variant, "64x10000", kThreadCounts, 6.0 * kFaceTexels * count, bytes_a_probe * count, make);
+  add_benchmark("Probes", variant, "64x10000", kThreadCounts, 6.0 * kFaceTexels * count, bytes_per_probe * count, make);
 }
 
 }  // namespace

@@ -24,12 +24,12 @@ class Collector final : public benchmark::ConsoleReporter {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string full = run.benchmark_name();
       const bool latency = full.find("/manual_time") != std::string::npos;
-      const std::string own = own_name(full);
-      const bool processor = processor_ && !latency && own.ends_with("/1");
+      const std::string key = base_name(full);
+      const bool processor = processor_ && !latency && key.ends_with("/1");
       const double time = processor ? run.cpu_accumulated_time : run.real_accumulated_time;
       Result result{time / static_cast<double>(run.iterations), {}};
       for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
-      const auto [at, added] = results_.try_emplace(own, result);
+      const auto [at, added] = results_.try_emplace(key, result);
       if (!added && result.seconds < at->second.seconds) at->second = result;
     }
   }
@@ -45,7 +45,7 @@ class Collector final : public benchmark::ConsoleReporter {
 
  private:
   /// Returns Subject/variant/size/threads, without the "/real_time", "/iterations:N" and the like of Google Benchmark.
-  static std::string own_name(const std::string& full) {
+  static std::string base_name(const std::string& full) {
     std::size_t end = 0;
     for (int parts = 0; parts < 4 && end != std::string::npos; ++parts) end = full.find('/', end + 1);
     return full.substr(0, end);
@@ -236,7 +236,7 @@ struct Comparison {
 };
 
 /// Returns the registers' lanes of floats times operations per cycle, as on Zen.
-double operations_a_cycle() {
+double operations_per_cycle() {
   switch (active_instruction_set()) {
     case InstructionSet::avx512: return 4.0 * 16.0;
     case InstructionSet::avx2: return 4.0 * 8.0;
@@ -259,7 +259,7 @@ Verdict verdict(const Figure& figure, double seconds, double limit, double clock
     case Measure::seconds: return {"", "at most " + time_text(mark), seconds <= mark};
     case Measure::counted: {
       const double cycles = seconds * clock / figure.texels;
-      const double share = figure.operations / operations_a_cycle() / cycles;
+      const double share = figure.operations / operations_per_cycle() / cycles;
       return {number("%.2f cycles, ", cycles) + percent(share), "at least " + percent(mark), share >= mark};
     }
   }
@@ -304,7 +304,7 @@ std::map<std::string, std::string> times_of_page(const std::filesystem::path& fi
 /// Returns cycles per second from a chain of integer multiplications, each of which takes three.
 double clock_of_this_machine() {
   constexpr int kChain = 20'000;
-  double least = 1.0;
+  double shortest = 1.0;
   std::uint64_t value = 3;
   for (int run = 0; run < 200; ++run) {
     const Clock::time_point start = Clock::now();
@@ -312,9 +312,9 @@ double clock_of_this_machine() {
       value *= 0x9E3779B97F4A7C15U;
       benchmark::DoNotOptimize(value);
     }
-    least = std::min(least, seconds(Clock::now() - start));
+    shortest = std::min(shortest, seconds(Clock::now() - start));
   }
-  return 3.0 * kChain / least;
+  return 3.0 * kChain / shortest;
 }
 
 /// Returns a filter for exactly those names, with any suffix of Google Benchmark.

@@ -358,14 +358,14 @@ constexpr const char* kLobeReason = "as --lobe asks";
 /// Adds a chain that the library's bake does not make, and returns the bytes that it takes alone.
 std::uint64_t plan_chain(const SourceShape& source, const PrefilterOptions& chain, const std::string& name,
                          const std::string& reason, Plan& planned) {
-  const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain));
-  PlannedPass pass = beside.pass("specular");
+  const Plan alone = plan(source, SceneNeeds(), second_bake_options(chain));
+  PlannedPass pass = alone.pass("specular");
   pass.name = name;
   pass.reason = reason + ": " + pass.reason;
-  planned.result_bytes += beside.result_bytes;
-  planned.working_bytes = std::max(planned.working_bytes, beside.working_bytes);
+  planned.result_bytes += alone.result_bytes;
+  planned.working_bytes = std::max(planned.working_bytes, alone.working_bytes);
   planned.passes.push_back(std::move(pass));
-  return beside.result_bytes + beside.working_bytes;
+  return alone.result_bytes + alone.working_bytes;
 }
 
 /// Returns whether a file's stored results may serve unchanged. (An .env becomes more than a plan describes.)

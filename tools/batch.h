@@ -81,7 +81,7 @@ inline constexpr int kMaxShards = 1'000'000;
 /// work so far; of several to the one with the smallest number of jobs, then to the first. Depends on the plan alone.
 [[nodiscard]] std::vector<std::vector<std::size_t>> cut_batch(const BatchPlan& plan, int shards);
 
-// ---- Results: each a folder of what `welkin bake` writes, and result.json; whole or absent
+// ---- Results: each a folder with the files of `welkin bake` and result.json; complete or absent
 
 struct ResultFile {
   std::string name;
@@ -118,7 +118,7 @@ struct JobResult {
 /// Returns the hash of the input and options of the plan, which names the folder of a job's result.
 [[nodiscard]] ContentHash hash_of(const BatchJob& job);
 
-/// Returns nothing if there is no sound result.json.
+/// Reads result.json. Returns nothing if it is missing or damaged.
 [[nodiscard]] std::optional<JobResult> read_result(const std::filesystem::path& folder);
 
 /// Returns whether the folder has a result of its job that neither failed nor differs, with all files in their sizes.

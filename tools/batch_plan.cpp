@@ -40,7 +40,7 @@ std::vector<std::string> words_of(const GivenOptions& options) {
   return words;
 }
 
-// ---- The files that words on a command line stand for
+// ---- The files named by the words of a command line
 
 /// Returns whether a path fits a pattern: within a folder's or file's name `*` stands for any characters and `?` for
 /// one, and `**` for any number of folders.
@@ -128,22 +128,22 @@ BatchPlan plan_at(const fs::path& named) {
 /// Returns the seconds of one core, measured with bakes of photographs of 1024 x 512 with `--size 256` and more on one
 /// thread of Zen 4. They only affect how work is shared out.
 double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
-  constexpr double kSecondsOfAJob = 0.02;         // opening, hashing and naming eight files
-  constexpr double kSecondsOfATexel = 60e-9;      // reading and transforming it
-  constexpr double kSecondsOfAByte = 10e-9;       // of the results in memory: making and encoding it
-  constexpr double kSecondsOfZlibByte = 40e-9;    // for files compressed by zlib
-  constexpr double kSecondsOfBlockByte = 160e-9;  // for files with ASTC blocks
-  constexpr double kSecondsOfPreviews = 0.12;     // with spheres of the default size
-  double seconds_of_a_byte = kSecondsOfAByte;
+  constexpr double kSecondsPerJob = 0.02;          // opening, hashing and naming eight files
+  constexpr double kSecondsPerTexel = 60e-9;       // reading and transforming it
+  constexpr double kSecondsPerByte = 10e-9;        // of the results in memory: making and encoding it
+  constexpr double kSecondsPerZlibByte = 40e-9;    // for files compressed by zlib
+  constexpr double kSecondsPerBlockByte = 160e-9;  // for files with ASTC blocks
+  constexpr double kSecondsOfPreviews = 0.12;      // with spheres of the default size
+  double seconds_per_byte = kSecondsPerByte;
   for (const OutputFile& file : options.files) {
     const bool has_blocks = file.format == TexelFormat::astc_4x4_hdr || file.format == TexelFormat::astc_6x6_hdr;
     if (file.supercompression == Supercompression::zlib)
-      seconds_of_a_byte = std::max(seconds_of_a_byte, kSecondsOfZlibByte);
-    if (has_blocks) seconds_of_a_byte = kSecondsOfBlockByte;
+      seconds_per_byte = std::max(seconds_per_byte, kSecondsPerZlibByte);
+    if (has_blocks) seconds_per_byte = kSecondsPerBlockByte;
   }
   const double sphere = static_cast<double>(options.preview_size) / BakeCommandOptions().preview_size;
-  return kSecondsOfAJob + kSecondsOfATexel * static_cast<double>(prediction.texels) +
-         seconds_of_a_byte * static_cast<double>(prediction.result_bytes) +
+  return kSecondsPerJob + kSecondsPerTexel * static_cast<double>(prediction.texels) +
+         seconds_per_byte * static_cast<double>(prediction.result_bytes) +
          (options.previews ? kSecondsOfPreviews * sphere * sphere : 0.0);
 }
 
@@ -248,9 +248,9 @@ class Planner {
     Options table = job_options(unused);
     for (Option& option : table) option.needs = option.excludes = {};
     wish.options = options_;
-    for (const auto& own : with_files_of(folder, read_options(table, words))) {
-      std::erase_if(wish.options, [&](const auto& one) { return one.first == own.first; });
-      wish.options.push_back(own);
+    for (const auto& given : with_files_of(folder, read_options(table, words))) {
+      std::erase_if(wish.options, [&](const auto& one) { return one.first == given.first; });
+      wish.options.push_back(given);
     }
     static_cast<void>(bake_options_of(plan_, {.options = words_of(wish.options)}));
     wish.input = platform::utf8(list.parent_path() / platform::path_of(wish.input));
@@ -270,13 +270,13 @@ class Planner {
         throw Error(ErrorCode::unsupported_file,
                     printable(wish.input) + ": its name is not UTF-8, which plans need; rename it");
       }
-      constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
+      constexpr std::uint64_t kBytesPerJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
       BakeCommandOptions options = bake_options_of(plan_, job);
       options.input = wish.input;
       const Prediction prediction = predict(options);
       if (wish.found && is_known_face(job, prediction.info)) return;
       job.seconds = seconds_of(prediction, options);
-      job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
+      job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesPerJob;
       std::error_code unknown;
       const auto size = fs::file_size(platform::path_of(wish.input), unknown);
       job.size = unknown ? 0 : static_cast<std::uint64_t>(size);

@@ -255,9 +255,9 @@ void write_index(const BatchPlan& plan, const std::vector<Merged>& merged, const
   index["jobs"] = figures;
   std::string safe;  // a script must not contain what looks like its end
   for (const char c : index.one_line()) safe += c == '<' ? "\\u003c" : std::string(1, c);
-  constexpr std::string_view kPlace = "INDEX";
+  constexpr std::string_view kMarker = "INDEX";
   std::string page = embedded_text("batch.html");
-  write_text_file(folder / kPageName, page.replace(page.find(kPlace), kPlace.size(), safe));
+  write_text_file(folder / kPageName, page.replace(page.find(kMarker), kMarker.size(), safe));
 }
 
 }  // namespace

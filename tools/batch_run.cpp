@@ -44,10 +44,10 @@ struct Task {
 std::vector<Task> tasks_of(const BatchPlan& plan, const BatchRun& run) {
   constexpr double kHashes = 18446744073709551616.0;  // 2^64
   const std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
-  const auto own = static_cast<std::size_t>(run.shard.number - 1);
+  const auto index = static_cast<std::size_t>(run.shard.number - 1);
   std::vector<Task> tasks;
-  for (const std::size_t job : cut[own]) tasks.push_back({job, false});
-  for (const std::size_t job : cut[(own + 1) % cut.size()]) {
+  for (const std::size_t job : cut[index]) tasks.push_back({job, false});
+  for (const std::size_t job : cut[(index + 1) % cut.size()]) {
     if (static_cast<double>(hash_of(plan.jobs[job]).high) < run.verify * kHashes) tasks.push_back({job, true});
   }
   return tasks;
@@ -171,8 +171,8 @@ class ShardRun {
     const double share = seconds_left_ > 0.0 ? job.seconds / seconds_left_ : 1.0;
     const auto by_share = static_cast<int>(std::lround(share * run_.threads));
     // The number of such jobs that fit in memory together.
-    const std::uint64_t beside = std::max<std::uint64_t>(1, run_.memory / std::max<std::uint64_t>(1, job.memory));
-    const auto by_memory = run_.threads / static_cast<int>(std::min<std::uint64_t>(beside, 1'000'000));
+    const std::uint64_t fitting = std::max<std::uint64_t>(1, run_.memory / std::max<std::uint64_t>(1, job.memory));
+    const auto by_memory = run_.threads / static_cast<int>(std::min<std::uint64_t>(fitting, 1'000'000));
     return std::clamp(std::max(by_share, by_memory), 1, run_.threads);
   }
 

@@ -117,7 +117,7 @@ Sums sums_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& p
              const glm::dvec3& scale = glm::dvec3(1.0)) {
   Sums sums;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const CubeTexel& /*place*/) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const CubeTexel& /*texel*/) {
                    const glm::dvec3 scaled = scale * expected;
                    const glm::dvec3 difference = value - scaled;
                    sums.image += weight * value;
@@ -135,13 +135,13 @@ MipErrors errors_of(const Cubemap& image, const Cubemap& truth, const ChainPlace
   const double floor =
       std::max(0.01 * std::sqrt(sums.squared_truth / (12.0 * std::numbers::pi)), std::numeric_limits<double>::min());
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
                    for (int channel = 0; channel < 3; ++channel) {
                      const double error =
                          std::abs(value[channel] - expected[channel]) / std::max(expected[channel], floor);
                      if (error <= errors.largest) continue;
                      errors.largest = error;
-                     errors.place = place;
+                     errors.place = texel;
                    }
                  });
   return errors;
@@ -161,11 +161,11 @@ class RoughnessFit {
       : image_(image), placement_(placement), truths_(truths) {}
 
   /// Tries several roughnesses from `minimum` up, then searches around the best by golden sections.
-  Fit search(double least) {
+  Fit search(double minimum) {
     fit_ = {};
-    std::vector<double> tried = {least};
+    std::vector<double> tried = {minimum};
     for (const double step : {0.0, 0.04, 0.08, 0.12, 0.17, 0.23, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0}) {
-      if (step > least) tried.push_back(step);
+      if (step > minimum) tried.push_back(step);
     }
     std::size_t best = 0;
     for (std::size_t i = 0; i < tried.size(); ++i) {
@@ -241,19 +241,19 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   const double floor = 1e-4 * sums.squared_truth / (4.0 * std::numbers::pi) + std::numeric_limits<double>::min();
   const int ring = size < 16 ? 2 : 3;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
                    const glm::dvec3 difference = value / scale - expected;
                    const double rest = glm::dot(difference, difference) / (glm::dot(expected, expected) + floor);
                    const auto add = [&](int distance, int column, int row) {
                      if (distance != 0 && distance != ring) return;
-                     const CubeTexel beyond = image::across_edge(size, {place.face, column, row});
-                     Edge& edge = edges[static_cast<std::size_t>(place.face)][static_cast<std::size_t>(beyond.face)];
+                     const CubeTexel beyond = image::across_edge(size, {texel.face, column, row});
+                     Edge& edge = edges[static_cast<std::size_t>(texel.face)][static_cast<std::size_t>(beyond.face)];
                      (distance == 0 ? edge.outermost : edge.inside).push_back(rest);
                    };
-                   add(place.column, -1, place.row);
-                   add(size - 1 - place.column, size, place.row);
-                   add(place.row, place.column, -1);
-                   add(size - 1 - place.row, place.column, size);
+                   add(texel.column, -1, texel.row);
+                   add(size - 1 - texel.column, size, texel.row);
+                   add(texel.row, texel.column, -1);
+                   add(size - 1 - texel.row, texel.column, size);
                  });
   const auto is_seam = [&](int face, int beyond) {
     const Edge& edge = edges[static_cast<std::size_t>(face)][static_cast<std::size_t>(beyond)];
@@ -293,16 +293,16 @@ void find_schedule(ChainCheck& check, const std::vector<double>& stated) {
   const int mips = static_cast<int>(check.mips.size());
   const int size = check.mips.front().size;
   if (mips < 3 || mips > 16) return;
-  double least = std::numeric_limits<double>::max();
+  double minimum = std::numeric_limits<double>::max();
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
     const double distance = distance_to(mip_roughness(schedule, mips, size), check.mips);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= minimum) continue;
+    minimum = distance;
     check.schedule = schedule;
     check.schedule_distance = distance;
   }
   constexpr double kNear = 0.05;
-  if (least > kNear) check.schedule.reset();
+  if (minimum > kNear) check.schedule.reset();
   const auto is_same = [](double a, double b) { return std::abs(a - b) < 1e-3; };
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
     if (!std::ranges::equal(stated, mip_roughness(schedule, mips, size), is_same)) continue;
@@ -333,8 +333,8 @@ void add_scale_findings(ChainCheck& check) {
   }
   std::vector<std::size_t> others;
   for (std::size_t mip = 0; mip < check.mips.size(); ++mip) {
-    const glm::dvec3& own = check.mips[mip].scale;
-    if (check.mips[mip].size >= 4 && std::abs((own.x + own.y + own.z) / (scale.x + scale.y + scale.z) - 1.0) > 0.05) {
+    const glm::dvec3& rgb = check.mips[mip].scale;
+    if (check.mips[mip].size >= 4 && std::abs((rgb.x + rgb.y + rgb.z) / (scale.x + scale.y + scale.z) - 1.0) > 0.05) {
       others.push_back(mip);
     }
   }
@@ -398,12 +398,12 @@ void add_findings(ChainCheck& check, bool is_stated) {
 /// Returns the largest value of a mip if clipping the reference there halves the rest at its scale or at 1 (clipped
 /// values lower the means too); nothing otherwise.
 std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
-                                 const glm::dvec3& own_scale) {
+                                 const glm::dvec3& mip_scale) {
   constexpr double kTold = 0.01;
   if (image.size() < 4) return std::nullopt;
   const std::span<const float> values = image.pixels();
   const double largest = *std::max_element(values.begin(), values.end());
-  for (const glm::dvec3& scale : {own_scale, glm::dvec3(1.0)}) {
+  for (const glm::dvec3& scale : {mip_scale, glm::dvec3(1.0)}) {
     Cubemap cut = truth;
     for (std::size_t i = 0; i < cut.pixels().size(); ++i) {
       const auto limit = static_cast<float>(largest / scale[static_cast<int>(i % 3)]);
@@ -416,7 +416,7 @@ std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, con
 }
 
 /// Fits a mip without regard to the schedule.
-void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double least,
+void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double minimum,
              bool is_only_one) {
   // Many references of a large mip would take minutes.
   constexpr int kLargestFitted = 256;
@@ -426,7 +426,7 @@ void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truth
   if (mip.roughness >= 0.0 && fit.consider(mip.roughness) && fit.best().rest < kExact) {
     mip.fitted = mip.roughness;
   } else {
-    fit.search(least);
+    fit.search(minimum);
     if (fit.is_telling()) mip.fitted = fit.best().roughness;
     if (is_only_one && fit.consider(1.0, LobeFamily::lambert)) {
       check.lobe = LobeFamily::lambert;
@@ -481,8 +481,8 @@ Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const Environment
   Cubemap placed(mip.size);
   for_each_texel(
       truth, truth, check.placement,
-      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
-        float* rgb = placed.face(place.face) + 3 * (static_cast<std::ptrdiff_t>(place.row) * mip.size + place.column);
+      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
+        float* rgb = placed.face(texel.face) + 3 * (static_cast<std::ptrdiff_t>(texel.row) * mip.size + texel.column);
         for (int channel = 0; channel < 3; ++channel) rgb[channel] = static_cast<float>(expected[channel]);
       });
   return placed;
@@ -510,11 +510,11 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
   }
   check.placement = find_placement(images.front(), truths);
 
-  double least = 0.0;  // roughness grows from mip to mip
+  double minimum = 0.0;  // roughness grows from mip to mip
   for (std::size_t mip = 0; mip < images.size(); ++mip) {
     report(mip, 0.0);
-    fit_mip(check.mips[mip], images[mip], check, truths, least, images.size() == 1);
-    least = std::max(0.0, check.mips[mip].fitted.value_or(0.0) - 0.05);
+    fit_mip(check.mips[mip], images[mip], check, truths, minimum, images.size() == 1);
+    minimum = std::max(0.0, check.mips[mip].fitted.value_or(0.0) - 0.05);
   }
   find_schedule(check, stated);
   const std::vector<double> table =

@@ -51,7 +51,7 @@ struct PlacementFit {
 };
 
 /// Returns the texel of the source's cubemap that texel (column, row) of a face with this mapping shows.
-[[nodiscard]] CubeTexel shown_by(const FaceMapping& place, int size, int column, int row);
+[[nodiscard]] CubeTexel shown_by(const FaceMapping& mapping, int size, int column, int row);
 
 /// Errors of a mip. All are relative: `rms` to the reference's root mean square, `bias` to its mean, and `largest` to
 /// the reference at that texel and channel, or to a hundredth of its root mean square where it is darker.
@@ -59,7 +59,7 @@ struct MipErrors {
   double rms = 0.0;
   double largest = 0.0;
   double bias = 0.0;
-  CubeTexel place{};  ///< texel of the largest error
+  CubeTexel place{};  ///< of the largest error
 };
 
 struct MipCheck {

@@ -302,9 +302,9 @@ struct Rectangle {
 
 /// Stores a texel as RGBP: sqrt(radiance) = c (8 - 7 a), with the largest a that the largest channel permits.
 void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
-  const std::size_t place =
+  const std::size_t index =
       static_cast<std::size_t>(row) * static_cast<std::size_t>(atlas.size) + static_cast<std::size_t>(column);
-  std::uint8_t* const texel = atlas.rgba.data() + 4 * place;
+  std::uint8_t* const texel = atlas.rgba.data() + 4 * index;
   float root[3];
   float largest = 1.0F;
   for (int channel = 0; channel < 3; ++channel) {
@@ -323,8 +323,8 @@ void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
 }
 
 /// Draws a lat-long inside a seam that continues it: around, and over the poles.
-void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
-           const Control& control) {
+void draw(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
+          const Control& control) {
   const int seam = atlas.size / kUnit;
   const int width = at.width - 2 * seam;
   const int height = at.height - 2 * seam;
@@ -358,17 +358,17 @@ PlayCanvasAtlas playcanvas_atlas(const Cubemap& specular, const CubemapView& dif
   const int scale = atlas.size / kUnit;
   Rectangle sharp{0, 0, atlas.size, atlas.size / 2};
   for (int level = 0; level < kSharpLevels; ++level) {
-    place(specular.view(0), ResampleFilter::area, sharp, atlas, control);
+    draw(specular.view(0), ResampleFilter::area, sharp, atlas, control);
     sharp = {sharp.left + sharp.height, sharp.top + sharp.height, sharp.width / 2, sharp.height / 2};
   }
   Rectangle rough{0, atlas.size / 2, atlas.size / 2, atlas.size / 4};
   for (int level = 1; level <= kAtlasMips; ++level) {  // the shader does not read the last
     const int mip = std::min({level, kAtlasMips - 1, specular.levels() - 1});
     const bool is_diffuse = ends_in_diffuse && level >= kAtlasMips - 1;
-    place(is_diffuse ? diffuse : specular.view(mip), ResampleFilter::bilinear, rough, atlas, control);
+    draw(is_diffuse ? diffuse : specular.view(mip), ResampleFilter::bilinear, rough, atlas, control);
     rough = {0, rough.top + rough.height, rough.width / 2, rough.height / 2};
   }
-  place(diffuse, ResampleFilter::bilinear, {128 * scale, 384 * scale, 64 * scale, 32 * scale}, atlas, control);
+  draw(diffuse, ResampleFilter::bilinear, {128 * scale, 384 * scale, 64 * scale, 32 * scale}, atlas, control);
   return atlas;
 }
 

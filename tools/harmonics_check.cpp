@@ -214,24 +214,24 @@ HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView&
   const SphericalHarmonics light = project(source, options, {control.stop, {}}).radiance;
   HarmonicsCheck check;
   // The form is not known yet: use the placement of the form with the nearest shape.
-  double least = std::numeric_limits<double>::max();
+  double minimum = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
     const PlacementFit fit = placement_of(file.values, sampled(formed(light, form)));
-    if (fit.difference >= least || !fit.placement.matrix) continue;  // a polynomial has no faces to mix up
-    least = fit.difference;
+    if (fit.difference >= minimum || !fit.placement.matrix) continue;  // a polynomial has no faces to mix up
+    minimum = fit.difference;
     check.placement = fit.placement;
   }
   const SphericalHarmonics image = project(file.values.view()).radiance;
   const SphericalHarmonics expected = placed(light, check.placement);
   const std::array<double, kBands> factors = factors_of(image, expected);
-  least = std::numeric_limits<double>::max();
+  minimum = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
     double distance = std::abs(std::log(std::max(factors[0] / form.factors[0], 1e-9))) * 0.1;
     for (std::size_t band = 1; band < kBands; ++band) {
       distance += std::abs(factors[band] / factors[0] * form.factors[0] / form.factors[band] - 1.0);
     }
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= minimum) continue;
+    minimum = distance;
     check.form = form.words;
     check.rms = relative_difference(image, formed(expected, form));
     check.factors.assign(factors.begin(), factors.end());

@@ -167,11 +167,11 @@ std::vector<std::string> near_words(const std::string& word, const std::vector<s
   });
   if (!longer.empty()) return longer;
   std::vector<std::string> nearest;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::size_t minimum = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& each : words) {
     const std::size_t away = distance(typed, CLI::detail::to_lower(each));
-    if (away >= least) continue;
-    least = away;
+    if (away >= minimum) continue;
+    minimum = away;
     nearest = {each};
   }
   return nearest;
@@ -203,7 +203,7 @@ std::string did_you_mean(const std::vector<std::string>& near) {
 
 namespace {
 
-bool is_place(const Option& option) { return !option.names.starts_with('-'); }
+bool is_positional(const Option& option) { return !option.names.starts_with('-'); }
 
 /// Returns the options that every command takes in addition to its table.
 const Options& shared_options() {
@@ -232,7 +232,7 @@ std::string bash_command(const Command& command) {
   std::string text = "    " + command.name + ")\n";
   std::string values;
   for (const Option& option : all_options(command)) {
-    if (is_place(option)) {
+    if (is_positional(option)) {
       if (!option.words.empty()) options.insert(options.end(), option.words.begin(), option.words.end());
       continue;
     }
@@ -259,7 +259,7 @@ std::string zsh_value(const Option& option) {
 }
 
 std::string zsh_option(const Option& option) {
-  if (is_place(option)) {
+  if (is_positional(option)) {
     const bool many = std::holds_alternative<std::vector<std::string>*>(option.target);
     return std::string(" \\\n            '") + (many ? "*:" : ":") + option.names + ":" +
            (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")") + "'";
@@ -284,7 +284,7 @@ std::string roff_option(const Option& option) {
   text = replaced(text, "\\efB", "\\fB");
   // Allows a line break after each word, because the words together can be longer than a line.
   const std::string words = replaced(roff(option.type), "|", "|\\:");
-  if (has_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
+  if (has_value(option) && !is_positional(option)) text += " \\fI" + words + "\\fR";
   return text + '\n' + roff(option.text) + ".\n";
 }
 

@@ -35,10 +35,10 @@ namespace {
 
 struct OutputOptions {
   std::string path;            ///< "-": standard output
-  std::string format = "exr";  ///< of standard output, whose name does not tell
+  std::string format = "exr";  ///< of standard output, whose name does not determine it
   WriteOptions write;
   int size = 0;                 ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
-  const char* if_clamped = "";  ///< what the note about clamped values also says
+  const char* if_clamped = "";  ///< end of the note about clamped values
 };
 
 /// Returns a lat-long's height for its width: half, rounded up.

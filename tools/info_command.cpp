@@ -136,19 +136,19 @@ std::string odd_values_text(const EnvironmentStatistics& pixels) {
          " of " + grouped(3 * pixels.texels);
 }
 
-std::string place_text(const InfoReport& report) {
+std::string position_text(const InfoReport& report) {
   const EnvironmentStatistics& pixels = report.pixels;
-  const std::string place =
+  const std::string position =
       "column " + std::to_string(pixels.brightest_column) + ", row " + std::to_string(pixels.brightest_row);
-  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return place;
+  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return position;
   const int face = pixels.brightest_row / report.file.width;
-  return place + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
+  return position + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
          ")";
 }
 
 std::string info_table(const InfoReport& report) {
   return file_lines(report.file) + range_lines(report.pixels) + '\n' + line("special", odd_values_text(report.pixels)) +
-         line("brightest", significant(report.pixels.brightest)) + line("", place_text(report)) +
+         line("brightest", significant(report.pixels.brightest)) + line("", position_text(report)) +
          line("", direction_text(report.pixels.brightest_direction)) +
          "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter of the width from "
          "the "

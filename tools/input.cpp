@@ -256,8 +256,8 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
   constexpr const char* kTakeOut = "--extract-sun";
   add_option(table, kTakeOut, &choice.take_out, "",
              "Extract the sun from the environment and report it as a directional light", {.excludes = excludes});
-  const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {
-    add_option(table, name, &value, type, text, {.bounds = number_between(least, most), .needs = {kTakeOut}});
+  const auto add = [&](const char* name, double& value, double low, double high, const char* type, const char* text) {
+    add_option(table, name, &value, type, text, {.bounds = number_between(low, high), .needs = {kTakeOut}});
   };
   add("--sun-threshold", choice.options.relative_threshold, 1e-9, 1.0, "SHARE",
       "Luminance, relative to the brightest texel, from which texels belong to the sun; default 0.02");

@@ -87,7 +87,7 @@ class PreviewImage {
   void save(const std::filesystem::path& path) const;
 
  private:
-  [[nodiscard]] std::size_t place(int column, int row) const noexcept;
+  [[nodiscard]] std::size_t offset(int column, int row) const noexcept;
 
   int width_;
   int height_;

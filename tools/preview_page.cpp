@@ -82,8 +82,8 @@ void write_preview_page(const BakeResult& light, const ToneMap& tone_map, const 
   if (light.irradiance) data["irradiance"] = levels_json({light.irradiance->view()}, kLargestMip, unused, control);
   if (light.brdf) data["brdf"] = table_json(*light.brdf);
   std::string page = embedded_text("preview.html");
-  constexpr std::string_view kPlace = ">DATA<";
-  page.replace(page.find(kPlace) + 1, kPlace.size() - 2, data.one_line());
+  constexpr std::string_view kMarker = ">DATA<";
+  page.replace(page.find(kMarker) + 1, kMarker.size() - 2, data.one_line());
   write_text_file(file, page);
 }
 

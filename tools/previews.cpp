@@ -37,25 +37,25 @@ struct Panorama {
 };
 
 /// Returns the level whose texels are nearest in size to pixels.
-int nearest_level(const CubeLookup& cube, const Panorama& place) {
-  return static_cast<int>(cube.level_for(place.pixel_radians()) + 0.5);
+int nearest_level(const CubeLookup& cube, const Panorama& panorama) {
+  return static_cast<int>(cube.level_for(panorama.pixel_radians()) + 0.5);
 }
 
 void draw_panorama(PreviewImage& image, const CubeLookup& cube, int level, const ToneMap& tone_map,
-                   const Panorama& place, const Control& control) {
-  const int width = 2 * place.height;
+                   const Panorama& panorama, const Control& control) {
+  const int width = 2 * panorama.height;
   std::vector<glm::dvec3> around;  // level directions: along a row only the azimuth changes
   around.reserve(static_cast<std::size_t>(width));
   for (int column = 0; column < width; ++column) {
     around.push_back(image::lat_long_direction(width, 1, column + 0.5, 0.5));
   }
-  for_rows(place.height, width, control, [&](int row) {
-    const glm::dvec3 up = image::lat_long_direction(1, place.height, 0.5, row + 0.5);
+  for_rows(panorama.height, width, control, [&](int row) {
+    const glm::dvec3 up = image::lat_long_direction(1, panorama.height, 0.5, row + 0.5);
     const double across = std::sqrt(std::max(0.0, 1.0 - up.y * up.y));
     for (int column = 0; column < width; ++column) {
       const glm::dvec3& towards = around[static_cast<std::size_t>(column)];
       const glm::vec3 radiance = cube.at(glm::vec3(across * towards.x, up.y, across * towards.z), level);
-      image.set(place.left + column, place.top + row, tone_map(radiance));
+      image.set(panorama.left + column, panorama.top + row, tone_map(radiance));
     }
   });
 }
@@ -89,17 +89,17 @@ PreviewImage preview_mips(const BakeResult& light, const ToneMap& tone_map, int 
   PreviewImage image(columns * (2 * height + gap) + gap, rows * (height + gap) + gap, kGround);
   const double letters = std::max(6.0, height / 16.0);
   for (int level = 0; level < cube.levels(); ++level) {
-    const Panorama place{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
+    const Panorama panorama{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
     const double roughness = mips[static_cast<std::size_t>(level)].roughness;
     if (roughness == 0.0 && light.background) {  // finer than the image
       const CubeLookup sharp(*light.background);
-      draw_panorama(image, sharp, nearest_level(sharp, place), tone_map, place, control);
+      draw_panorama(image, sharp, nearest_level(sharp, panorama), tone_map, panorama, control);
     } else {
-      draw_panorama(image, cube, level, tone_map, place, control);
+      draw_panorama(image, cube, level, tone_map, panorama, control);
     }
     const std::string label = "MIP " + std::to_string(level) + "  ROUGHNESS " + significant(roughness, 2);
-    image.write(label, place.left + letters + 0.5 * label_width(label, letters),
-                place.top + place.height - 1.2 * letters, letters);
+    image.write(label, panorama.left + letters + 0.5 * label_width(label, letters),
+                panorama.top + panorama.height - 1.2 * letters, letters);
   }
   return image;
 }

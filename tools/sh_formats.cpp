@@ -126,14 +126,14 @@ std::string no_form_lines(const ShReport& report) {
 
 std::string window_lines(const ShReport& report) {
   const WindowResult& windowed = report.windowed;
-  const std::string least = "\nMinimum irradiance over all normals  ";
+  const std::string heading = "\nMinimum irradiance over all normals  ";
   if (report.window == Window::none) {
     const glm::dvec3& value = windowed.minimum_before;
     const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
-    return least + significant(value) +
+    return heading + significant(value) +
            (negative ? "\n  negative, because few bands ring; --window min-laplacian avoids that" : "") + '\n';
   }
-  std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
+  std::string text = heading + significant(windowed.minimum_before) + " before the window,\n  " +
                      significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
                      (report.window == Window::min_laplacian ? "lambda " : "width ") + significant(windowed.parameter) +
                      "; bands times";

@@ -74,7 +74,7 @@ class Lens {
     if (view_ == SweepView::fisheye) return size_;
     return static_cast<int>(std::lround(size_ * kPanoramaWidth / kPanoramaHeight));
   }
-  [[nodiscard]] int tiles_in_a_row() const { return view_ == SweepView::fisheye ? 8 : 4; }
+  [[nodiscard]] int tiles_per_row() const { return view_ == SweepView::fisheye ? 8 : 4; }
 
   /// `x`: to the right, `y`: down, in pixels. Returns false if the point has no direction.
   [[nodiscard]] bool direction(double x, double y, glm::vec3& towards) const {
@@ -190,7 +190,7 @@ std::string head_lines(const Sky& sky, const SweepOptions& options) {
          pad_right("     horizon opposite", 33) + pad_right("     sun", 33) + "   exposure\n";
 }
 
-std::filesystem::path text_beside(const SweepOptions& options) {
+std::filesystem::path text_path(const SweepOptions& options) {
   return platform::path_of(options.path).replace_extension(".txt");
 }
 
@@ -200,7 +200,7 @@ void check(const SkyParameters& parameters, const SweepOptions& options) {
     throw Error(ErrorCode::invalid_argument, options.path + ": --sweep draws a PNG; give a name that ends with .png");
   }
   for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
-    for (const std::filesystem::path& written : {path, text_beside(options)}) {
+    for (const std::filesystem::path& written : {path, text_path(options)}) {
       if (read) require_kept(*read, written, "--sweep", "give the image another name");
     }
   }
@@ -228,7 +228,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
   begin_stage("draw");
   const std::vector<double> elevations = sweep_elevations(options);
   const Lens lens(options.view, options.size);
-  const int columns = std::min(options.tiles, lens.tiles_in_a_row());
+  const int columns = std::min(options.tiles, lens.tiles_per_row());
   const int rows = (options.tiles + columns - 1) / columns;
   PreviewImage image(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
                      glm::vec3(kBackground));
@@ -243,7 +243,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
   image.save(platform::path_of(options.path));
-  write_text_file(text_beside(options), text);
+  write_text_file(text_path(options), text);
   return text;
 }
 

@@ -264,10 +264,10 @@ Json sky_json(const SkyReport& report) {
 
 std::string sky_lines(const SkyReport& report) {
   const Atmosphere& air = report.atmosphere;
-  const auto [least, most] = air.ground_albedo.empty()
-                                 ? std::pair{0.0, 0.0}
-                                 : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
-                                             *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
+  const auto [minimum, maximum] =
+      air.ground_albedo.empty() ? std::pair{0.0, 0.0}
+                                : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
+                                            *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
   std::string text = "  " + printable(air.name) + "; sun " + sun_lookup(report.sun_elevation_degrees) + ", azimuth " +
                      significant(report.sun_azimuth_degrees) + "; altitude " + significant(report.altitude_m) + " m\n";
   if (report.dated) {
@@ -277,8 +277,8 @@ std::string sky_lines(const SkyReport& report) {
             " degrees from north through east" + (observer.refraction ? ", raised by refraction" : "") + '\n';
   }
   text += "  " + counted(static_cast<std::uint64_t>(report.orders), "order") + " of scattering, the last added " +
-          significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(least) +
-          (most > least ? " to " + significant(most) : "") + (report.ground ? "" : ", not seen") + '\n';
+          significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(minimum) +
+          (maximum > minimum ? " to " + significant(maximum) : "") + (report.ground ? "" : ", not seen") + '\n';
   text += "  tables " + size_text(report.tables) + ", " + name(report.tables.layout) + ", " +
           grouped(report.table_bytes >> 10U) + " KiB\n";
   text += "  r, g, b: " + sky_unit(report) + '\n';

@@ -155,8 +155,8 @@ void become(const std::string& program, const std::vector<std::string>& argument
   words.push_back(nullptr);
   const std::filesystem::path folder = own_folder();
   if (!folder.empty()) execv((folder / program).c_str(), words.data());
-  const int beside = errno;
-  if (folder.empty() || beside == ENOENT) execvp(program.c_str(), words.data());
+  const int first_reason = errno;
+  if (folder.empty() || first_reason == ENOENT) execvp(program.c_str(), words.data());
   const int reason = errno;
   throw Error(ErrorCode::file_access,
               program + ": cannot be run (" + std::strerror(reason) +

@@ -190,12 +190,12 @@ void become(const std::string& program, const std::vector<std::string>& argument
   // Windows cannot replace a process: this one waits, and returns the other's exit code. Ctrl-C goes to both.
   std::wstring line = quoted(platform::path_of(program));
   for (const std::string& word : arguments) line += L' ' + quoted(platform::path_of(word));
-  const std::filesystem::path beside = own_folder() / (program + ".exe");
-  const bool is_there = GetFileAttributesW(beside.c_str()) != INVALID_FILE_ATTRIBUTES;
+  const std::filesystem::path sibling = own_folder() / (program + ".exe");
+  const bool is_there = GetFileAttributesW(sibling.c_str()) != INVALID_FILE_ATTRIBUTES;
   STARTUPINFOW start{};
   start.cb = sizeof start;
   PROCESS_INFORMATION started{};
-  if (!CreateProcessW(is_there ? beside.c_str() : nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr,
+  if (!CreateProcessW(is_there ? sibling.c_str() : nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr,
                       &start, &started)) {
     const DWORD reason = GetLastError();
     throw Error(ErrorCode::file_access, program + ": cannot be run (" + platform::system_message(reason) +

@@ -132,8 +132,8 @@ glm::dvec3 colour_towards(const glm::dvec3& unit, const Names& names) {
 }
 
 /// Returns the samples along a texel's edge: about a thousand per 90 degrees, and at least two per texel.
-int samples_along_edge(int texels_a_quarter_turn) {
-  return std::clamp(1024 / std::max(1, texels_a_quarter_turn), 2, 8);
+int samples_along_edge(int texels_per_90_degrees) {
+  return std::clamp(1024 / std::max(1, texels_per_90_degrees), 2, 8);
 }
 
 /// `unit_at(column, row)`: the direction of a position in texels.
@@ -172,10 +172,10 @@ LatLongImage test_map_lat_long(int width, int height, const Control& control, co
 Cubemap test_map_cubemap(int size, const Control& control, const TestMapAxes& axes) {
   image::check_face_size(size);
   Cubemap map(size);
-  const glm::dmat3 from_places = glm::transpose(axes.places);
+  const glm::dmat3 from_faces = glm::transpose(axes.places);
   draw(size, 6 * size, samples_along_edge(size), map.face(0), control, names_of(axes), [&](double column, double row) {
     const int face = std::min(5, static_cast<int>(row / size));
-    return from_places * image::face_direction(size, face, column, row - 1.0 * face * size);
+    return from_faces * image::face_direction(size, face, column, row - 1.0 * face * size);
   });
   return map;
 }

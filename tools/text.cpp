@@ -144,10 +144,10 @@ std::string portable_path(const std::string& path) {
 
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
   std::error_code unknown;
-  const auto place = [&](const std::filesystem::path& path) {
+  const auto real = [&](const std::filesystem::path& path) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
   };
-  return std::filesystem::equivalent(one, other, unknown) || (place(one) == place(other) && !place(one).empty());
+  return std::filesystem::equivalent(one, other, unknown) || (real(one) == real(other) && !real(one).empty());
 }
 
 void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,

@@ -98,9 +98,9 @@ LookupTruth::LookupTruth(const LatLongView& source, int directions) {
       all.push_back(by_light(draw, roughness));
     }
     const std::vector<glm::dvec3> truths = reference_specular(source, roughness, all);
-    std::vector<Place>& places = places_.emplace_back();
+    std::vector<Sample>& samples = samples_.emplace_back();
     for (std::size_t i = 0; i < all.size(); ++i)
-      places.push_back({all[i], truths[i], 1.0 / (1.0 + LightDirections::luminance(truths[i]) / by_light.mean())});
+      samples.push_back({all[i], truths[i], 1.0 / (1.0 + LightDirections::luminance(truths[i]) / by_light.mean())});
   }
 }
 
@@ -111,10 +111,10 @@ ErrorNorms LookupTruth::errors(const Cubemap& chain, RoughnessSchedule schedule)
     const double mip = reflections::mip_by_formula(schedule, roughness, chain.levels(), chain.level_size(0));
     double error = 0.0;
     double whole = 0.0;
-    for (const Place& place : places_[static_cast<std::size_t>(k)]) {
-      const glm::dvec3 off = lookup(chain, mip, place.direction) - place.truth;
-      error += place.weight * glm::dot(off, off);
-      whole += place.weight * glm::dot(place.truth, place.truth);
+    for (const Sample& sample : samples_[static_cast<std::size_t>(k)]) {
+      const glm::dvec3 off = lookup(chain, mip, sample.direction) - sample.truth;
+      error += sample.weight * glm::dot(off, off);
+      whole += sample.weight * glm::dot(sample.truth, sample.truth);
     }
     norms.rms += error / whole / kRoughnesses;
     norms.maximum = std::max(norms.maximum, std::sqrt(error / whole));

@@ -162,13 +162,13 @@ class LookupTruth {
   /// Roughnesses (k + 1/2) / kRoughnesses.
   static constexpr int kRoughnesses = 16;
 
-  struct Place {
+  struct Sample {
     glm::dvec3 direction;
     glm::dvec3 truth;
     double weight = 0.0;  ///< of its square: 1 / density
   };
 
-  std::vector<std::vector<Place>> places_;  ///< by roughness
+  std::vector<std::vector<Sample>> samples_;  ///< by roughness
 };
 
 /// Sizes and budgets. Errors depend on the sizes, so reports are compared within a scale.

@@ -1,7 +1,7 @@
 // node peers.mjs CONFIGURATION.json
 // {"modules": folder that holds node_modules, "cube": six faces of RGB floats, "size", "targets": [0, 64], "budget": seconds,
-// "processor": whether to count processor time}. Prints [{peer, method, target, radiance: [[r, g, b], ...], seconds}], the
-// coefficients of radiance in the program's own convention: what it cannot do or what is not installed is left out.
+// "processor": whether to count CPU time}. Prints [{peer, method, target, radiance: [[r, g, b], ...], seconds}], the
+// coefficients of radiance in the program's own convention. Unsupported methods and missing programs are left out.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
@@ -20,7 +20,7 @@ function now() {
   const { user, system } = process.cpuUsage();
   return (user + system) / 1e6;
 }
-/** The least time of several calls; the first one warms up the compiler and counts only if there is time for no other. */
+/** Returns the minimum time of several calls; the first warms up the compiler and counts only if it is alone. */
 async function best(call) {
   const end = performance.now() + 1000 * wanted.budget;
   let least = Infinity;
@@ -53,7 +53,7 @@ async function babylon() {
   };
   for (const target of wanted.targets) {
     const seconds = await best(() => Tools.ConvertCubeMapToSphericalPolynomial(cube, target));
-    // Signs of odd orders are the other ones in Babylon.js.
+    // Babylon.js has the opposite sign for odd orders.
     const turned = radiance.map((rgb, i) => ([1, 3, 5, 7].includes(i) ? rgb.map((v) => -v) : rgb));
     found.push({ peer: `Babylon.js ${version("@babylonjs/core")}`, method: "CubeMapToSphericalPolynomialTools", target,
                  radiance: turned, seconds });
@@ -69,7 +69,7 @@ async function three() {
     for (let p = 0; p < texels; ++p) for (let c = 0; c < 3; ++c) rgba[4 * p + c] = pixels[i * faceFloats + 3 * p + c];
     return rgba;
   });
-  // Stands in for a graphics card that reads its texture back: the faces are there.
+  // Replaces a GPU that reads its texture back: the faces are in memory.
   const renderer = { isWebGLRenderer: false, coordinateSystem: WebGLCoordinateSystem,
                      readRenderTargetPixelsAsync: async (target, x, y, w, h, index, face) => faces[face] };
   const target = { width: wanted.size, texture: { type: FloatType, colorSpace: NoColorSpace } };

@@ -15,8 +15,8 @@ std::vector<Measurement> of_pass(const Report& report, const std::string& pass) 
 }
 
 std::string label(const Measurement& measurement) {
-  const std::string own = measurement.method + ", " + measurement.setting;
-  return measurement.peer.empty() ? own : measurement.peer + ": " + own;
+  const std::string name = measurement.method + ", " + measurement.setting;
+  return measurement.peer.empty() ? name : measurement.peer + ": " + name;
 }
 
 namespace {

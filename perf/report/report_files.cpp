@@ -218,8 +218,8 @@ Json json_of(const Comparison& comparison) {
           {"changes", changes}};
 }
 
-void put(std::string& page, std::string_view place, const std::string& text) {
-  page.replace(page.find(place), place.size(), text);
+void put(std::string& page, std::string_view marker, const std::string& text) {
+  page.replace(page.find(marker), marker.size(), text);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
-// node gpu_peers.mjs CONFIGURATION.json
+// node webgl_peers.mjs CONFIGURATION.json
 // {"modules": folder that holds node_modules, "browser": Chromium's program, "image": a Radiance .hdr, "size": texels along
-// an edge, "folder": where chains go}. three.js and Babylon.js prefilter the image in a page, by WebGL. Writes each mip's six
-// faces, RGB floats as the engine's texture has them, mip after mip, to FOLDER/ENGINE.f32 and prints [{engine, version, size,
-// mips}]. What is not installed or fails is left out.
+// an edge, "folder": for the chains}. three.js and Babylon.js prefilter the image in a page, by WebGL. Writes each mip's six
+// faces, RGB floats as in the engine's texture, mip after mip, to FOLDER/ENGINE.f32 and prints [{engine, version, size,
+// mips}]. Engines that are missing or fail are left out.
 import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join, normalize } from "node:path";
 
 const wanted = JSON.parse(readFileSync(process.argv[2], "utf8"));
-const DEADLINE = 240_000; // milliseconds: a processor draws what a graphics card does in milliseconds
+const DEADLINE = 240_000; // milliseconds: the CPU draws, which takes far longer than a GPU
 
 const page = `<!doctype html><meta charset="utf-8">
 <script type="importmap">{"imports": {"three": "/node_modules/three/build/three.module.js",
@@ -56,7 +56,7 @@ async function babylon() {
   await import("@babylonjs/core/Materials/Textures/baseTexture.polynomial.js");
   const engine = new Engine(document.getElementById("canvas"), false);
   const scene = new Scene(engine);
-  // With mips, harmonics, linear, prefiltered, supersampled: as its own documentation loads an image.
+  // With mips, harmonics, linear, prefiltered, supersampled: as Babylon.js's documentation loads an image.
   const texture = await new Promise((done, failed) => {
     const made = new HDRCubeTexture("/image.hdr", scene, SIZE, false, true, false, true, () => done(made),
                                     (message) => failed(new Error(message)), true);
@@ -113,7 +113,7 @@ const server = createServer(async (request, response) => {
   response.end(readFileSync(path));
 }).listen(0, "127.0.0.1", () => {
   const url = `http://127.0.0.1:${server.address().port}/`;
-  // No graphics card is asked for: SwiftShader draws, the same everywhere.
+  // SwiftShader draws, which needs no GPU and is the same everywhere.
   browser = spawn(wanted.browser, ["--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-background-networking", `--user-data-dir=${profile}`,
     "--remote-debugging-port=0", url], { stdio: "ignore" });
