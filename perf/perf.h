@@ -65,7 +65,7 @@ struct ProbeTargets {
 /// Returns a cubemap of positive noise, kept until a call with another format or size: the largest takes 400 MB.
 [[nodiscard]] CubemapView noise_cubemap(PixelFormat format, int size);
 
-/// Returns a lat-long of positive noise, kept in the same way.
+/// Returns a lat-long of positive noise, kept until a call with another format or size.
 [[nodiscard]] LatLongView noise_lat_long(PixelFormat format, int width, int height);
 
 /// Returns `count` cubemaps of 64 with half floats and alpha, of positive noise, `different` of them repeated.

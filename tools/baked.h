@@ -63,7 +63,7 @@ auto measured(std::vector<PassRecord>& passes, const std::string& name, const st
   return work();
 }
 
-/// Begins a stage, and measures it as above.
+/// Begins a stage, and runs its work by `measured`.
 template <typename Work>
 auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
   begin_stage(name);

@@ -167,7 +167,7 @@ class ShardRun {
   }
 
   [[nodiscard]] int threads_wanted(const BatchJob& job) const {
-    // Its fraction of the remaining work, itself included.
+    // The job's fraction of the remaining work, itself included.
     const double share = seconds_left_ > 0.0 ? job.seconds / seconds_left_ : 1.0;
     const auto by_share = static_cast<int>(std::lround(share * run_.threads));
     // The number of such jobs that fit in memory together.

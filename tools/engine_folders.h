@@ -22,10 +22,10 @@ inline constexpr const char* kAtlasName = "env_atlas.png";
 /// Returns whether there are files that the engine loads as they are. (There are none for Welkin and for OpenEXR.)
 [[nodiscard]] bool has_folder(Engine engine) noexcept;
 
-/// Returns those files, without further selected files, of an engine that `has_folder`.
+/// Returns the files that the engine loads, without further selected ones. For engines that `has_folder`.
 [[nodiscard]] std::vector<OutputFile> files_for(Engine engine);
 
-/// Returns whether the loader of those files takes .ktx2 files of every texel format. For engines that `has_folder`.
+/// Returns whether their loader takes .ktx2 files of every texel format. For engines that `has_folder`.
 [[nodiscard]] bool takes_any_texture(Engine engine) noexcept;
 
 /// Returns the text of README.md: how the engine loads each written file, and the source of that. `written`: the names

@@ -59,9 +59,9 @@ void require_input(const std::string& command, const std::optional<std::string>&
 /// folder with files but without the command's `table` ("manifest.json").
 void require_own_folder(const std::filesystem::path& folder, const std::string& table, const std::string& command);
 
-/// Returns whether that is standard input or standard output.
+/// Returns whether the name means standard input or standard output.
 [[nodiscard]] inline bool is_standard_stream(const std::string& named) { return named == "-"; }
-/// Returns whether that can be read only once: standard input or a pipe.
+/// Returns whether the input can be read only once: standard input or a pipe.
 [[nodiscard]] bool is_stream(const std::string& named);
 
 void add_json_option(Options& table, CommonOptions& options);
@@ -170,8 +170,8 @@ void add_orientation_options(Options& table, OrientationOptions& options);
 /// and then about y, in Welkin's axes, and into the engine's. For coefficients and lights.
 [[nodiscard]] glm::dmat3 light_rotation(const OrientationOptions& options, bool source_is_cubemap);
 
-/// Returns that matrix for a result that is an image in the frames of LatLongView or CubemapView: a cubemap's faces are
-/// where the engine looks for them; a lat-long is the same image for all engines.
+/// Returns the matrix of `light_rotation` for a result that is an image in the frames of LatLongView or CubemapView: a
+/// cubemap's faces are where the engine looks for them; a lat-long is the same image for all engines.
 [[nodiscard]] glm::dmat3 image_rotation(const OrientationOptions& options, bool source_is_cubemap,
                                         bool result_is_cubemap);
 

@@ -38,7 +38,7 @@ struct FacePoint {
   float u, v;  ///< in [-1, 1]
 };
 
-/// Returns that point in the frames of `CubemapView`, as `image::face_frame` has them.
+/// Returns the point of a direction in the frames of `CubemapView`, as `image::face_frame` has them.
 FacePoint face_point(const glm::vec3& d) {
   const glm::vec3 size = glm::abs(d);
   if (size.x >= size.y && size.x >= size.z) {

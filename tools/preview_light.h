@@ -24,7 +24,7 @@ struct ToneMap {
 
   /// Narkowicz's fit of the ACES curve (2015), without its 0.6: x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14).
   [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& radiance) const noexcept;
-  /// Computes that in floats, which suffice for 8 bits per channel.
+  /// Maps in floats, which suffice for 8 bits per channel.
   [[nodiscard]] glm::vec3 operator()(const glm::vec3& radiance) const noexcept;
 
   /// Returns the exposure in stops: its logarithm to base 2.

@@ -22,7 +22,7 @@ struct TestMapAxes {
 [[nodiscard]] LatLongImage test_map_lat_long(int width, int height, const Control& control = {},
                                              const TestMapAxes& axes = {});
 
-/// Draws it as a cubemap in the frames of `CubemapView`.
+/// Draws the test map as a cubemap in the frames of `CubemapView`.
 [[nodiscard]] Cubemap test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
 
 /// Draws a room of diffuse boxes as a viewer in its middle sees it: a window to the west (+x, the left quarter of the

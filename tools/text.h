@@ -97,7 +97,7 @@ class NumberColumn {
 /// Replaces every control character and invalid UTF-8 by '?': names of files and channels must not control the reader's
 /// terminal.
 [[nodiscard]] std::string printable(const std::string& text);
-/// Does that except for line feeds.
+/// Returns the text as `printable` does, with its line feeds.
 [[nodiscard]] std::string printable_lines(const std::string& text);
 
 /// Returns the path for a file that others will read: unchanged if it is relative; of an absolute one its last name,

@@ -21,7 +21,7 @@ struct Stopwatch {
   double budget_seconds = 0.1;  ///< wall time for the repeats of one measurement; the first run is always made
   int most_runs = 1000;
 
-  /// Returns CPU time for one thread, which then does all the work; else wall time.
+  /// Returns the clock: CPU time for one thread, which then does all the work; else wall time.
   [[nodiscard]] Clock clock() const noexcept { return threads == 1 ? Clock::processor : Clock::wall; }
 
   /// Returns the seconds of a call of `work`: the minimum of the runs, because other load can only add time. The first

@@ -183,7 +183,7 @@ std::function<Cubemap(const PrefilterOptions&)> call_of(const std::string& pass,
   return [cube](const PrefilterOptions& options) { return prefilter_specular(cube->cubemap(), options).cubemap; };
 }
 
-/// Measures those settings in the first call of a process, which makes tables and gets memory from the system.
+/// Measures the settings of `warm` in the first call of a process, which makes tables and gets memory from the system.
 std::vector<Measurement> first_calls(const PassContext& context, const std::string& pass,
                                      const std::filesystem::path& file, const std::vector<Measurement>& warm) {
   std::vector<Measurement> all;
