@@ -1,4 +1,4 @@
-// Bakes, and what is saved when their results are found again.
+// Bakes, and the savings of finding their results again.
 #include "welkin/bake.h"
 
 #include "perf.h"
@@ -11,7 +11,7 @@
 namespace welkin::perf {
 namespace {
 
-/// A chain of `size`, an irradiance cubemap and a BRDF table without sheen.
+/// Returns options for a chain of `size`, an irradiance cubemap and a BRDF table without sheen.
 BakeOptions bake_options(int size, bool background = false) {
   BakeOptions options;
   options.specular = PrefilterOptions{.size = size};
@@ -41,7 +41,7 @@ void add_bake_of_lat_long(const std::string& variant, const SkyImageOptions& ima
   add_bake(variant, shape, 0.5 * image.width * image.width, options, memory, [=] { return sky_image(image); });
 }
 
-/// A chain of `size` from a cubemap of that size, a probe that an engine captured.
+/// Adds a chain of `size` from a cubemap of that size, a probe that an engine captured.
 void add_bake_of_cubemap(int size) {
   add_bake("cube-rgb32f", std::to_string(size), 6.0 * size * size, bake_options(size), Memory::again,
            [=] { return std::make_shared<const Cubemap>(to_cubemap(sky_image()->view(), size)); });
@@ -49,28 +49,28 @@ void add_bake_of_cubemap(int size) {
 
 constexpr int kMany = 64;
 
-/// What an engine wants of a probe of 64: its harmonics, and five mips as halves. 64 probes in one call, or in single
-/// calls of the same.
+/// Adds the results that an engine needs from a probe of 64: harmonics, and five mips as half floats. 64 probes in one
+/// call, or in single calls.
 void add_bake_many(bool in_one_call) {
   constexpr double texels = 6.0 * 64.0 * 64.0 * kMany;
   const std::string variant = in_one_call ? "rgba16f" : "rgba16f-single-calls";
   add_benchmark("BakeMany", variant, "64x" + std::to_string(kMany), kThreadCounts, texels, 8.0 * texels, [=] {
     const Cubemap image = to_cubemap(sky_image()->view(), 64);
     const auto source = std::make_shared<const report::FormattedCubemap>(image, PixelFormat::rgba16f);
-    const auto room = std::make_shared<const ProbeTargets>(kMany, 64, 5);
+    const auto out = std::make_shared<const ProbeTargets>(kMany, 64, 5);
     return [=, light = std::vector<dvec3>(std::size_t{9} * kMany)]() mutable {
       const std::vector<CubemapView> probes(kMany, source->view());
       const PrefilterOptions options{.size = 64, .mips = 5};
       if (in_one_call) {
-        benchmark::DoNotOptimize(bake_many(probes, room->targets, light, options));
+        benchmark::DoNotOptimize(bake_many(probes, out->targets, light, options));
       } else {
         for (std::size_t k = 0; k < kMany; ++k) {
           benchmark::DoNotOptimize(project(probes[k]));
           const PrefilteredSpecular chain = prefilter_specular(probes[k], options);
-          store_texels(chain.cubemap, std::span(room->targets).subspan(5 * k, 5));
+          store_texels(chain.cubemap, std::span(out->targets).subspan(5 * k, 5));
         }
       }
-      benchmark::DoNotOptimize(room->memory.data());
+      benchmark::DoNotOptimize(out->memory.data());
     };
   });
 }
@@ -101,7 +101,7 @@ void add_prefilter_of(const std::string& variant, bool cubemap, const PrefilterO
   });
 }
 
-/// A chain of which no mip is wider than roughness 0.054.
+/// Returns options for a chain without mips wider than roughness 0.054.
 PrefilterOptions narrow(int size) {
   constexpr double widest = 0.054;
   PrefilterOptions options{.size = size};
@@ -144,7 +144,7 @@ BakeOptions whole_bake() {
   return options;
 }
 
-/// A cache on disk alone, or in memory alone; its folder is gone in the end.
+/// A cache only on disk, or only in memory; its folder is removed at the end.
 struct Cached {
   std::filesystem::path folder;
   ResultCache cache;
@@ -163,8 +163,8 @@ struct Cached {
 
 using Change = void (*)(LatLongImage& image, BakeOptions& options);
 
-/// Bakes by a cache, each time after a change. Without one the bake is found: a first call, which is not timed, keeps
-/// it.
+/// Bakes with a cache, each time after a change. Without a change the bake is found: a first call, which is not timed,
+/// stores it.
 void add_cached(const std::string& variant, bool on_disk, Change change) {
   add(variant, false, [=]() -> Body {
     const auto* const noise = static_cast<const float*>(source().pixels);

@@ -13,7 +13,7 @@ namespace {
 
 using Call = std::function<void()>;
 
-/// What a child reads; pixels as raw floats, so that it decodes nothing by the library.
+/// The input of a child; pixels are raw floats, so that it decodes nothing by the library.
 struct Pixels {
   LatLongImage lat_long;
   Cubemap cube;
@@ -29,7 +29,7 @@ struct Operation {
   std::function<Call(const Pixels&)> prepare;
 };
 
-/// Takes a result that nobody reads.
+/// Consumes a result.
 template <class Result>
 void use(const Result& result) {
   static volatile std::size_t used = 0;
@@ -80,7 +80,7 @@ void add_reflections(std::vector<Operation>& operations) {
   for (const int size : {64, 256, 512}) operations.push_back(baked("lat-long 1024", Kind::lat_long, 1024, size));
   for (const int size : {16, 32, 64, 128, 256, 512, 1024})
     operations.push_back(prefiltered("cube", Kind::cube, size, size));
-  // The chains whose last mip has 16 texels.
+  // Chains whose last mip has 16 texels.
   for (const int size : {64, 128, 256, 512}) {
     const int mips = full_chain_levels(size) - 4;
     operations.push_back(prefiltered("lat-long 1024", Kind::lat_long, 1024, size, mips));
@@ -152,7 +152,7 @@ Pixels read_pixels(const Operation& operation, const std::filesystem::path& fold
   return pixels;
 }
 
-/// The parent's, which may warm up as it likes.
+/// The parent's pixels, which may warm up freely.
 class Sources {
  public:
   explicit Sources(std::filesystem::path file) : file_(std::move(file)) {}
@@ -162,7 +162,7 @@ class Sources {
   }
   [[nodiscard]] Cubemap cube(int size) const { return to_cubemap(lat_long(1024).view(), size); }
 
-  /// The folder of the pixels that an operation reads.
+  /// Returns the folder of the pixels of an operation.
   [[nodiscard]] std::filesystem::path write(const Operation& operation) const {
     return scratch_file(file_of(operation),
                         [&](const std::filesystem::path& path) {
@@ -185,7 +185,7 @@ class Sources {
 
 // The child.
 
-/// Page faults of this process that read nothing from disk; 0 where the system does not say.
+/// Returns the page faults of this process that read nothing from disk; 0 if the system does not report them.
 long page_faults() {
   std::ifstream stream("/proc/self/stat");
   std::string text((std::istreambuf_iterator<char>(stream)), {});
@@ -195,7 +195,7 @@ long page_faults() {
   return std::atol(field.c_str());
 }
 
-/// The most memory that this process has had, MiB; 0 where the system does not say.
+/// Returns the peak memory of this process, MiB; 0 if the system does not report it.
 long resident_megabytes() {
   std::ifstream stream("/proc/self/status");
   for (std::string line; std::getline(stream, line);) {
@@ -204,11 +204,11 @@ long resident_megabytes() {
   return 0;
 }
 
-/// A row's numbers. Of several processes each has its least.
+/// The numbers of a row, each the minimum over several processes.
 struct Row {
   std::array<double, 7> values{};  ///< ms of the first, second, last and fastest later call; faults of first, last; MiB
 
-  void keep_least(const Row& other) {
+  void lower_to(const Row& other) {
     for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::min(values[k], other.values[k]);
   }
 };
@@ -267,7 +267,7 @@ std::vector<std::string> row_of(const std::filesystem::path& program, const Oper
                                 const Sources& sources, int threads, const Options& options) {
   const std::filesystem::path folder = sources.write(operation);
   const std::filesystem::path output = folder / "row";
-  Row least;
+  Row minimum;
   for (int run = 0; run < options.runs; ++run) {
     const report::ProcessResult result =
         report::run_process({program.string(), "--cold-calls", operation.name, folder.string(), std::to_string(threads),
@@ -277,10 +277,10 @@ std::vector<std::string> row_of(const std::filesystem::path& program, const Oper
     std::ifstream stream(output);
     for (double& value : row.values) stream >> value;
     if (result.exit_code != 0 || !stream) throw Error(ErrorCode::file_access, operation.name + ": the process failed");
-    if (run == 0) least = row;
-    least.keep_least(row);
+    if (run == 0) minimum = row;
+    minimum.lower_to(row);
   }
-  const auto& [first, second, last, warm, first_faults, last_faults, resident] = least.values;
+  const auto& [first, second, last, warm, first_faults, last_faults, resident] = minimum.values;
   return {operation.name,
           digits(first),
           digits(second),
@@ -291,7 +291,7 @@ std::vector<std::string> row_of(const std::filesystem::path& program, const Oper
           number("%.0f", resident)};
 }
 
-/// Whole processes of the command: KTX2 without previews.
+/// Adds whole processes of the command: KTX2 without previews.
 void add_processes(Table& table, const std::filesystem::path& command, const Sources& sources, int threads,
                    const Options& options) {
   const auto add = [&](const std::string& name, int size,
@@ -319,11 +319,11 @@ void add_processes(Table& table, const std::filesystem::path& command, const Sou
   }
 }
 
-// Warm calls by their bound on errors.
+// Warm calls by their error bound.
 
 constexpr double kBounds[] = {1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
-/// What engines bake while they run, within a bound. `Operation::source` is the size of the result and of its cube.
+/// Returns the bakes of running engines, within a bound. `Operation::source`: the size of the result and of its cube.
 std::vector<Operation> operations_within(double rms_error) {
   std::vector<Operation> all;
   const auto chain = [&](const std::string& name, Kind kind, PrefilterOptions options) {
@@ -335,10 +335,10 @@ std::vector<Operation> operations_within(double rms_error) {
     all.push_back({"64 probes of 64 halves, " + std::to_string(mips) + " mips", Kind::cube, 64, 1,
                    [=](const Pixels& pixels) -> Call {
                      const auto source = std::make_shared<report::FormattedCubemap>(pixels.cube, PixelFormat::rgba16f);
-                     const auto room = std::make_shared<const ProbeTargets>(64, 64, mips);
+                     const auto out = std::make_shared<const ProbeTargets>(64, 64, mips);
                      return [=, light = std::vector<dvec3>(std::size_t{9} * 64)]() mutable {
                        const PrefilterOptions options{.size = 64, .mips = mips, .rms_error = rms_error};
-                       use(bake_many(std::vector<CubemapView>(64, source->view()), room->targets, light, options, 3));
+                       use(bake_many(std::vector<CubemapView>(64, source->view()), out->targets, light, options, 3));
                      };
                    }});
   };
@@ -362,7 +362,7 @@ std::vector<Operation> operations_within(double rms_error) {
   return all;
 }
 
-/// Milliseconds, the least of `runs` calls after a first one, which makes tables.
+/// Returns milliseconds: the minimum of `runs` calls after a first one, which makes tables.
 std::string best_of(const Call& call, int runs) {
   try {
     const report::Stopwatch stopwatch{.threads = 1, .budget_seconds = 60.0, .most_runs = runs + 1};

@@ -16,7 +16,7 @@
 namespace welkin::perf {
 namespace {
 
-/// A cubemap of `size` from a lat-long twice as wide.
+/// Adds a cubemap of `size` from a lat-long twice as wide.
 void add_lat_long_to_cubemap(int size) {
   constexpr double kTexelBytes = 12.0;
   const double texels = 6.0 * size * size;

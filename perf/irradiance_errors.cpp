@@ -14,7 +14,7 @@ constexpr int kSunBands[] = {2, 3, 5};
 constexpr int kNormals = 500;
 constexpr int kCubemap = 9;  ///< texels along an edge: 486 normals
 
-/// Two digits of a percentage; "0" for what is less than a millionth of one.
+/// Returns two digits of a percentage; "0" below a millionth of one.
 std::string percent(double share) {
   const double value = 100.0 * share;
   if (std::abs(value) < 1e-6) return "0";
@@ -27,11 +27,11 @@ std::vector<IrradianceError> errors_of(const Environment& environment, const Sph
   return irradiance_errors(environment.view(), radiance, kNormals);
 }
 
-/// What is left without the sun, and how far its irradiance is from that of its bands.
+/// The light without the sun, and the error of its irradiance by bands.
 struct WithoutSun {
   Sun sun;
   std::vector<IrradianceError> errors;
-  double share_of_rms = 0.0;  ///< rms irradiance of what is left over that of the whole
+  double share_of_rms = 0.0;  ///< rms irradiance of the remaining light relative to the whole
 };
 
 template <typename Image>
@@ -77,7 +77,7 @@ void add_sun(Table& table, const Environment& environment, const ProjectionOptio
   table.add(cells);
 }
 
-/// Rms over the rms of the truth, and the largest error of a texel's channel over its own value.
+/// Returns the rms error over the reference's rms, and the largest error of a texel's channel over its own value.
 std::string error_text(const Cubemap& found, const Cubemap& truth) {
   double squares = 0.0;
   double whole = 0.0;
@@ -92,7 +92,7 @@ std::string error_text(const Cubemap& found, const Cubemap& truth) {
   return errors_text(std::sqrt(squares / whole), largest);
 }
 
-/// The irradiance cubemap of a bake, from bands and by default.
+/// Adds the errors of the irradiance cubemap of a bake, from bands and by default.
 void add_cubemap(Table& table, const EnvironmentView& view, const std::string& name) {
   const Cubemap truth = direct_irradiance_cubemap(view, kCubemap);
   std::vector<std::string> cells{name};

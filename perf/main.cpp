@@ -1,4 +1,4 @@
-// welkin_perf: throughput of the kernels beside the machine's own limits.
+// welkin_perf: throughput of the kernels relative to the machine's own limits.
 //   welkin_perf [Google Benchmark options]
 //   welkin_perf --irradiance-errors ENVIRONMENT...   the tables of docs/maths/irradiance.md
 //   welkin_perf --block-errors [--size=N] ENVIRONMENT...   the table of docs/notes/textures.md
@@ -9,7 +9,7 @@
 //   welkin_perf --bounds [--runs=N] LATLONG          docs/notes/speed.md, time by rms_error
 //   welkin_perf --cold [--threads=1,2] [--runs=N] [--only=WORD] [--processor] [LATLONG]   docs/notes/speed.md
 //   welkin_perf --page [--processor] [--before=PAGE] [--sse2=PAGE] [--avx2=PAGE] [Google Benchmark options]
-//     every figure that Welkin is held to, beside its limit: docs/notes/speed.md
+//     every figure with a target, and its target: docs/notes/speed.md
 #include "perf.h"
 
 namespace welkin::perf {
@@ -17,11 +17,11 @@ namespace {
 
 struct Mode {
   const char* option;
-  int threads;  ///< that make its tables; 0: all
+  int threads;  ///< for making its tables; 0: all
   std::function<std::string(const Paths& words)> make;
 };
 
-/// The exit code.
+/// Returns the exit code.
 int print_tables(const Mode& mode, const Paths& words) {
   try {
     std::string text;
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
   perf::add_cancel_latency();
   const bool page = first == "--page";
   perf::PageOptions page_options;
-  if (page) {  // what is not the page's is Google Benchmark's
+  if (page) {  // the other options are Google Benchmark's
     const std::pair<std::string, const char*> pages[] = {
         {"--before=", "before"}, {"--sse2=", "SSE2"}, {"--avx2=", "AVX2"}};  // of WELKIN_ISA=sse2 welkin_perf --page
     std::vector<char*> rest{argv[0]};

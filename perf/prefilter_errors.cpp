@@ -13,8 +13,8 @@ namespace {
 struct Settings {
   int texels = 256;
   int size = 512;
-  int width = 1024;               ///< of images that are made up
-  int face = 0;                   ///< texels along an edge of the cubemap that each image is turned into; 0: it stays
+  int width = 1024;               ///< of synthetic images
+  int face = 0;                   ///< edge of the cubemap, in texels, that each image becomes; 0: it stays a lat-long
   std::vector<double> roughness;  ///< of single mips, each of `size`; none: the default chain
   std::vector<PrefilterMethod> methods{PrefilterMethod::automatic};
 };
@@ -24,7 +24,7 @@ struct Image {
   LatLongImage image;
 };
 
-/// `light` is of columns and rows of 1024 x 512.
+/// `light`: for columns and rows of 1024 x 512.
 Image made_up(const std::string& name, int width, const std::function<double(int, int)>& light) {
   Image image{name, {width, width / 2, {}}};
   for (int row = 0; row < width / 2; ++row) {
@@ -58,7 +58,7 @@ std::vector<Image> made_up_images(int width) {
   return all;
 }
 
-/// A row for each mip but those that are copies.
+/// Adds a row for each mip that is not a copy.
 void add_rows(Table& table, const Image& image, const EnvironmentView& view, const PrefilterOptions& chain,
               const Settings& settings) {
   std::mt19937 random(11);
@@ -145,7 +145,7 @@ std::string prefilter_error_tables(const Paths& words) {
 namespace {
 
 constexpr int kImageSize = 64;
-constexpr int kAtATime = 100;  ///< environments from table to table
+constexpr int kAtATime = 100;  ///< environments between tables
 
 std::string table_of(const test::EstimateTrials& trials) {
   Table table(

@@ -9,13 +9,13 @@ namespace {
 constexpr int kSize = 64;
 constexpr std::size_t kFaceTexels = std::size_t{kSize} * kSize;
 
-/// Different captures that 10 000 probes take in turn: 100 MB of halves, more than a cache holds, and less than the
-/// 1.9 GB that all would take.
+/// The number of different captures that 10 000 probes use in turn: 100 MB of half floats, more than a cache holds, and
+/// less than the 1.9 GB that all would take.
 constexpr std::size_t kDifferent = 512;
 
 const ProbeGrid kGrid{.counts = {25, 16, 25}};
 
-/// What a probe is in a box of 4 x 3 x 4, a door of which is open to the sky.
+/// Returns distances from a probe in a box of 4 x 3 x 4 with one door open to the sky.
 float distance(std::size_t probe, double x, double y, double z) {
   const double away =
       1.0 / std::max({std::abs(x) / 2.0, std::abs(y) / (1.0 + 0.001 * static_cast<double>(probe)), std::abs(z) / 2.0});
@@ -69,9 +69,9 @@ std::vector<FileInput> files() {
   return inputs;
 }
 
-void add(const char* variant, double bytes_a_probe, const std::function<std::function<void()>()>& make) {
+void add(const char* variant, double bytes_per_probe, const std::function<std::function<void()>()>& make) {
   const auto count = static_cast<double>(kGrid.size());
-  add_benchmark("Probes", variant, "64x10000", kThreadCounts, 6.0 * kFaceTexels * count, bytes_a_probe * count, make);
+  add_benchmark("Probes", variant, "64x10000", kThreadCounts, 6.0 * kFaceTexels * count, bytes_per_probe * count, make);
 }
 
 }  // namespace

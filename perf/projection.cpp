@@ -1,5 +1,5 @@
-// Projection to harmonics, the bandwidth that bounds it, and small calls on coefficients, which engines make by the
-// thousand.
+// Projection to harmonics, the bandwidth that bounds it, and small calls on coefficients, which engines make thousands
+// of.
 #include "welkin/projection.h"
 
 #include "files/row_source.h"
@@ -77,8 +77,8 @@ void add_directxmath(int size) {
                 });
 }
 
-/// `count` probes of 64 halves, 64 different ones over and over: in one call, or in a call for each, on one thread or
-/// as tasks of our own.
+/// Adds `count` probes of 64 with half floats, 64 different ones repeated: in one call on one or more threads, and in a
+/// call for each on one thread.
 void add_many(int count) {
   constexpr std::size_t kDifferent = 64;
   const double texels = texels_of(64) * count;
@@ -151,7 +151,7 @@ std::filesystem::path file_of(const Variant& variant) {
   });
 }
 
-/// The decoder alone: rows to floats in one thread, each block of them forgotten.
+/// Runs the decoder alone: rows to floats in one thread, each block of them discarded.
 void decode(const std::filesystem::path& path, std::vector<float>& rgb) {
   const std::unique_ptr<files::RowSource> source = files::open_image(path, ReadOptions{});
   const int rows = source->traits().natural_rows * std::max(1, 16 / source->traits().natural_rows);
@@ -186,7 +186,7 @@ constexpr std::int64_t kTileBytes = std::int64_t{512} << 10U;  // about a projec
 constexpr std::int64_t kGroupBytes = 64;
 constexpr std::int64_t kGroupWords = 8;
 
-/// Adds up words as fast as memory gives them: the yardstick for bandwidth.
+/// Adds words as fast as memory supplies them: the reference for bandwidth.
 std::uint64_t read_groups(const std::uint64_t* words, std::int64_t groups) {
   std::array<std::uint64_t, kGroupWords> sums{};
   for (std::int64_t group = 0; group < groups; ++group, words += kGroupWords) {
@@ -212,7 +212,7 @@ std::function<void()> reader(const void* pixels, std::int64_t bytes, std::int64_
   };
 }
 
-/// `pixels()` gives the first of them when the benchmark runs.
+/// `pixels()`: returns the first of them when the benchmark runs.
 void add_read(PixelFormat format, const std::string& size, std::int64_t texels,
               const std::function<const void*()>& pixels) {
   const std::int64_t bytes = texels * static_cast<std::int64_t>(bytes_per_texel(format));
@@ -251,8 +251,8 @@ std::vector<dvec3> directions(int count) {
   return result;
 }
 
-/// Calls of less than a microsecond run a thousand times an iteration, so that nothing but they is timed: then the
-/// figure's milliseconds are their microseconds.
+/// The repeats per iteration of calls below a microsecond, so that only they are timed: the figure's milliseconds are
+/// then their microseconds.
 constexpr int kThousand = 1000;
 
 /// A channel's nine coefficients rotated in float, by the matrix of each band with band 2's in closed form: what

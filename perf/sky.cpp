@@ -21,7 +21,7 @@ void add_sky_tables() {
         "SkyTables", variant, "4", kThreadCounts, static_cast<double>(sky::scattering_texels(options)), 0.0,
         [options = options] { return [=] { benchmark::DoNotOptimize(precompute_sky(earth_bruneton(), options)); }; });
   }
-  // More and less haze in turn: what it does not change is kept.
+  // Alternates between more and less haze: the tables that it does not affect are kept.
   add_benchmark("SkyTables", "compact-haze", "4", kThreadCounts, 1.0, 0.0, [compact] {
     return [compact, more = false]() mutable {
       more = !more;
@@ -79,7 +79,7 @@ std::vector<Size> table_sizes() {
   return sizes;
 }
 
-/// Evenly over the upper hemisphere: a Fibonacci spiral.
+/// Returns directions uniform over the upper hemisphere: a Fibonacci spiral.
 std::vector<glm::dvec3> sky_directions(int count) {
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < count; ++i) {
@@ -95,8 +95,8 @@ std::shared_ptr<const SkyTables> tables_of(const Atmosphere& air, SkyTableOption
   return std::make_shared<const SkyTables>(precompute_sky(air, options));
 }
 
-/// Singly scattered light of the whole upper hemisphere, table by table: the rms of what is wrong over the rms of the
-/// truth, and the largest error of a direction over it.
+/// Returns the errors of singly scattered light of the whole upper hemisphere, table by table: the rms error relative
+/// to the reference's rms, and the largest error of a direction relative to it.
 std::string radiance_table(const Settings& settings) {
   const Atmosphere air = earth_bruneton();
   const std::vector<glm::dvec3> directions = sky_directions(settings.directions);
@@ -135,7 +135,7 @@ std::string radiance_table(const Settings& settings) {
          " m: rms error over rms radiance, and the largest error over it.\n\n" + table.text();
 }
 
-/// By so many directions that no error of the integral is left.
+/// Returns a projector with enough directions for a negligible error of the integral.
 SkyProjector converged(const SkyView& view) { return SkyProjector(view, {3, SkyQuadrature::gauss_split, 128, 128}); }
 
 std::string errors_by_elevation(const std::vector<SkyMethod>& methods, const std::vector<SphericalHarmonics>& truths) {

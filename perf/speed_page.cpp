@@ -5,10 +5,10 @@
 namespace welkin::perf {
 namespace {
 
-/// The fastest run of each benchmark, and its counters. Names of what runs go to standard error.
+/// Collects the fastest run of each benchmark, and its counters. Names of running benchmarks go to standard error.
 class Collector final : public benchmark::ConsoleReporter {
  public:
-  /// `processor`: what counts of benchmarks on one thread is its processor time, not the clock's.
+  /// `processor`: benchmarks on one thread count by CPU time instead of wall time.
   explicit Collector(bool processor) : processor_(processor) {}
 
   struct Result {
@@ -24,17 +24,17 @@ class Collector final : public benchmark::ConsoleReporter {
       if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
       const std::string full = run.benchmark_name();
       const bool latency = full.find("/manual_time") != std::string::npos;
-      const std::string own = own_name(full);
-      const bool processor = processor_ && !latency && own.ends_with("/1");
+      const std::string key = base_name(full);
+      const bool processor = processor_ && !latency && key.ends_with("/1");
       const double time = processor ? run.cpu_accumulated_time : run.real_accumulated_time;
       Result result{time / static_cast<double>(run.iterations), {}};
       for (const auto& [name, counter] : run.counters) result.counters[name] = counter.value;
-      const auto [at, added] = results_.try_emplace(own, result);
+      const auto [at, added] = results_.try_emplace(key, result);
       if (!added && result.seconds < at->second.seconds) at->second = result;
     }
   }
 
-  /// One of its counters is in microseconds.
+  /// Returns the benchmark's own time, or that of a counter in microseconds.
   [[nodiscard]] std::optional<double> seconds(const std::string& name, const std::string& counter = "") const {
     const auto result = results_.find(name);
     if (result == results_.end()) return std::nullopt;
@@ -44,8 +44,8 @@ class Collector final : public benchmark::ConsoleReporter {
   }
 
  private:
-  /// Subject/variant/size/threads: Google Benchmark appends "/real_time", "/iterations:N" and the like.
-  static std::string own_name(const std::string& full) {
+  /// Returns Subject/variant/size/threads, without the "/real_time", "/iterations:N" and the like of Google Benchmark.
+  static std::string base_name(const std::string& full) {
     std::size_t end = 0;
     for (int parts = 0; parts < 4 && end != std::string::npos; ++parts) end = full.find('/', end + 1);
     return full.substr(0, end);
@@ -55,22 +55,22 @@ class Collector final : public benchmark::ConsoleReporter {
   std::map<std::string, Result> results_;
 };
 
-/// What a figure is compared with, and which way is better.
+/// The comparison of a figure, and which direction is better.
 enum class Measure {
-  share_of_limit,  ///< the limit's time over the figure's; the mark is the least share that will do
-  ratio_to_other,  ///< the figure's time over the other's; the mark is the largest ratio that will do
-  seconds,         ///< the mark is the longest time that will do
-  counted,         ///< cycles a texel; the mark is the least share of them that the counted operations may take
+  share_of_limit,  ///< the limit's time over the figure's; the mark is the minimum
+  ratio_to_other,  ///< the figure's time over the other's; the mark is the maximum
+  seconds,         ///< the mark is the maximum time
+  counted,         ///< cycles per texel; the mark is the minimum fraction of them that the counted operations take
 };
 
 struct Figure {
   std::string benchmark;  ///< Subject/variant/size/threads
-  std::string limit;      ///< another benchmark, or nothing
+  std::string limit;      ///< another benchmark, or empty
   Measure measure = Measure::seconds;
   std::optional<double> mark{};  ///< none: shown for comparison
-  std::string counter{};         ///< in place of the benchmark's own time: one of its counters, microseconds
+  std::string counter{};         ///< use this counter, in microseconds, instead of the benchmark's own time
   double texels = 0.0;           ///< of `counted`, ...
-  double operations = 0.0;       ///< ... and operations on floats a texel
+  double operations = 0.0;       ///< ... and operations on floats per texel
 };
 
 struct Section {
@@ -82,11 +82,11 @@ struct Section {
 constexpr double kMilli = 1e-3;
 constexpr double kMicro = 1e-6;
 
-/// Of the cycles that counted operations take at four registers each: what an AVX2 machine was asked for (64 in 10 us).
+/// The fraction of the cycles that counted operations take at four registers each: the AVX2 target (64 in 10 us).
 constexpr double kShareOfCounted = 0.4;
 
-/// Additions, subtractions and multiplications of three bands for a texel of three channels: docs/maths/projection.md
-/// counts them. Of strips: moments of values, then classes and products of moments.
+/// Returns the additions, subtractions and multiplications of three bands for a texel of three channels, as
+/// docs/maths/projection.md counts them. Of strips: moments of values, then classes and products of moments.
 double operations_of(int size) {
   constexpr double kQuadrants = 19.5;  // 3 (8 + 18) / 4
   if (size < 256) return kQuadrants;
@@ -221,22 +221,22 @@ std::string time_text(std::optional<double> seconds) {
 
 std::string percent(double share) { return number("%.0f %%", 100.0 * share); }
 
-/// What is compared with the mark, as text; the mark; whether it is reached.
+/// The value that is compared with the mark, as text; the mark; whether it is reached.
 struct Verdict {
   std::string value;
   std::string mark;
   bool reached = false;
 };
 
-/// What all rows are compared by.
+/// The data with which all rows are compared.
 struct Comparison {
   const Collector& results;
-  double clock;                                                                    ///< cycles a second; 0: not known
+  double clock;                                                                    ///< cycles per second; 0: unknown
   std::vector<std::pair<std::string, std::map<std::string, std::string>>> others;  ///< heads and times of other pages
 };
 
-/// Registers' lanes of floats times operations a cycle, as on Zen.
-double operations_a_cycle() {
+/// Returns the registers' lanes of floats times operations per cycle, as on Zen.
+double operations_per_cycle() {
   switch (active_instruction_set()) {
     case InstructionSet::avx512: return 4.0 * 16.0;
     case InstructionSet::avx2: return 4.0 * 8.0;
@@ -259,7 +259,7 @@ Verdict verdict(const Figure& figure, double seconds, double limit, double clock
     case Measure::seconds: return {"", "at most " + time_text(mark), seconds <= mark};
     case Measure::counted: {
       const double cycles = seconds * clock / figure.texels;
-      const double share = figure.operations / operations_a_cycle() / cycles;
+      const double share = figure.operations / operations_per_cycle() / cycles;
       return {number("%.2f cycles, ", cycles) + percent(share), "at least " + percent(mark), share >= mark};
     }
   }
@@ -286,7 +286,7 @@ void add_row(Table& table, const Figure& figure, const Comparison& by) {
   table.add(cells);
 }
 
-/// Of each row of a page's tables the first cell and the second.
+/// Returns the first cell of each row of a page's tables, with the second.
 std::map<std::string, std::string> times_of_page(const std::filesystem::path& file) {
   std::map<std::string, std::string> times;
   std::ifstream in(file);
@@ -301,10 +301,10 @@ std::map<std::string, std::string> times_of_page(const std::filesystem::path& fi
   return times;
 }
 
-/// Cycles a second: of a chain of multiplications of whole numbers, each of which takes three.
+/// Returns cycles per second from a chain of integer multiplications, each of which takes three.
 double clock_of_this_machine() {
   constexpr int kChain = 20'000;
-  double least = 1.0;
+  double shortest = 1.0;
   std::uint64_t value = 3;
   for (int run = 0; run < 200; ++run) {
     const Clock::time_point start = Clock::now();
@@ -312,12 +312,12 @@ double clock_of_this_machine() {
       value *= 0x9E3779B97F4A7C15U;
       benchmark::DoNotOptimize(value);
     }
-    least = std::min(least, seconds(Clock::now() - start));
+    shortest = std::min(shortest, seconds(Clock::now() - start));
   }
-  return 3.0 * kChain / least;
+  return 3.0 * kChain / shortest;
 }
 
-/// Matches those names and no others, however Google Benchmark goes on after them.
+/// Returns a filter for exactly those names, with any suffix of Google Benchmark.
 std::string filter_for(const std::vector<Section>& sections) {
   std::vector<std::string> names;
   for (const Section& section : sections) {

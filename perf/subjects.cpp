@@ -4,9 +4,8 @@
 namespace welkin::perf {
 namespace {
 
-/// Pixels of the last request, as floats or halves between 0.5 and 1: exponents fixed, mantissas noise.
-/// On a cache line, as engines align their images; a line that every load straddles would cost both sides
-/// of a ratio.
+/// Pixels of the last request, as floats or half floats between 0.5 and 1: exponents fixed, mantissas noise. Aligned to
+/// a cache line, as engines align their images; lines that every load straddles would cost both sides of a ratio.
 const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
   static platform::AlignedBuffer<std::byte> pixels;
   static PixelFormat pixels_format{};
@@ -28,7 +27,7 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
   return pixels.data();
 }
 
-/// `count` cubemaps, `different` of them over and over.
+/// Returns `count` cubemaps, `different` of them repeated.
 std::vector<CubemapView> noise_cubemaps(PixelFormat format, int size, std::size_t count, std::size_t different) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   const std::byte* const pixels = noise_pixels(format, 6 * face_texels * different);

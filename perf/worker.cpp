@@ -8,14 +8,14 @@
 namespace welkin::perf {
 namespace {
 
-/// As long as an engine computes a frame: the caller's processor stays awake, the worker's threads do not.
+/// The time of an engine's frame: the caller's core stays awake, the worker's threads do not.
 void stay_busy(std::chrono::nanoseconds time) {
   const Clock::time_point end = Clock::now() + time;
   while (Clock::now() < end) {
   }
 }
 
-/// Threads of normal priority: what is measured is the plumbing, not who else wants the processor.
+/// Threads of normal priority: this measures the plumbing, not the load of other programs.
 WorkerOptions worker_options(int threads) {
   WorkerOptions options;
   options.threads = threads;
@@ -23,7 +23,7 @@ WorkerOptions worker_options(int threads) {
   return options;
 }
 
-/// A request that does nothing. (It has no ==, so that none stands in for another.)
+/// A request that does nothing. (It has no ==, so that none replaces another.)
 struct Nothing {
   void operator()(const Control& /*control*/) const {}
 };
@@ -69,7 +69,7 @@ void add_post_to_start(int threads) {
   }
 }
 
-/// Project, and when it began and ended.
+/// A projection, and the times of its start and end.
 struct TimedProjection {
   struct Moments {
     Clock::time_point started;
@@ -100,8 +100,8 @@ class ResultLatency {
         pause_(pause),
         worker_(worker_options(threads)) {}
 
-  /// Some calls the one way, then as many the other, so that neither finds the other's threads still spinning: the
-  /// first two do not count.
+  /// Makes direct calls, then as many posts, so that neither finds the other's threads still spinning: the first two of
+  /// each do not count.
   Clock::duration measure(int times) {
     run_with_threads(threads_, [&] {
       for (int i = -2; i < times; ++i) call(i >= 0);
@@ -176,8 +176,8 @@ void add_post_to_result(int size, int threads) {
   }
 }
 
-/// Two threads a processor, of normal priority, that rest for one millisecond of twenty, all at the same time. Threads
-/// of the idle class run then, and are put aside in the middle of what they do.
+/// Two threads per core, of normal priority, that rest for one millisecond of twenty, all at the same time. Threads of
+/// the idle class run then, and are suspended in the middle of their work.
 class BusyProcessors {
  public:
   BusyProcessors() {
@@ -212,8 +212,8 @@ struct Again {
   }
 };
 
-/// A post takes what the system gives this thread of a processor, but nothing of what it gives those of the worker,
-/// which it may keep from running for seconds, wherever they are: also inside the system's allocator.
+/// A post needs only this thread's time on a core, not that of the worker's threads, which the system may keep from
+/// running for seconds at any point: also inside its allocator.
 void post_beside_busy_processors(benchmark::State& state) {
   WorkerOptions options = worker_options(1);
   options.thread_priority = ThreadPriority::idle;
@@ -224,7 +224,7 @@ void post_beside_busy_processors(benchmark::State& state) {
   for (auto _ : state) {
     std::this_thread::sleep_for(std::chrono::microseconds(200));
     const Clock::time_point start = Clock::now();
-    worker.post(Nothing{}, {.key = "sky"});  // the waiting one of before is replaced
+    worker.post(Nothing{}, {.key = "sky"});  // replaces the one that waits
     const Clock::duration time = Clock::now() - start;
     samples.add(time);
     state.SetIterationTime(seconds(time));
@@ -247,7 +247,7 @@ namespace {
 constexpr int kWidth = 4096;
 constexpr int kHeight = 2048;
 
-/// The course of a call alone on one thread: when its tiles ended.
+/// The course of a call alone on one thread: the times of its tiles' ends.
 struct Course {
   std::vector<Clock::duration> stretches;  ///< to the first tile's end, then from each to the next
   Clock::duration last{};                  ///< from the last tile's end to the call's
@@ -274,7 +274,7 @@ Course course_of(const Request& request) {
   return course;
 }
 
-/// Of several runs of the same course the shortest of each stretch: what others do on the machine is not in it.
+/// Returns the shortest of each stretch over several runs of one course, which excludes other programs.
 template <class Request>
 Course quiet_course_of(const Request& request) {
   static_cast<void>(course_of(request));  // tables and pages are warm
@@ -301,7 +301,7 @@ void report(benchmark::State& state, const Course& course) {
   state.counters["whole_ms"] = 1e3 * seconds(course.whole);
 }
 
-/// Posts and cancels after `delay`. How long the cancel took, or nothing if the job was done before it.
+/// Posts and cancels after `delay`. Returns the time of cancelling, or nothing if the job ended before it.
 template <class Request>
 std::optional<Clock::duration> cancel_after(Worker& worker, const Request& request, Clock::duration delay) {
   auto job = worker.post(request);
@@ -334,7 +334,7 @@ void cancel_at_random_moments(benchmark::State& state, const Request& request, i
   report(state, course);
 }
 
-/// `make()` makes the request when the benchmark runs.
+/// `make()`: makes the request when the benchmark runs.
 template <class Make>
 void add(const std::string& kind, const std::string& size, int times, const Make& make) {
   for (const int threads : kThreadCounts) {

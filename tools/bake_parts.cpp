@@ -1,5 +1,5 @@
 // Parts of a bake that the command makes itself: its lat-long, options of chains by other lobes than GGX, and how much
-// of the light lies beyond what a file's format holds.
+// of the light is outside of the range of a file's format.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

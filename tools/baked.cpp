@@ -24,20 +24,20 @@
 namespace welkin::tool {
 namespace {
 
-/// What `welkin bake` bakes: read, without its sun if that is asked for, turned to Welkin's axes.
+/// The source of `welkin bake`: read, without its sun if that is extracted, rotated into Welkin's axes.
 class BakeSource {
  public:
-  /// Throws `Error` as `read_environment`, and limit_exceeded if source and copies of it take too much.
+  /// Throws the errors of `read_environment`, and limit_exceeded if the source and its copies take too much memory.
   BakeSource(const BakeCommandOptions& options, const Control& control);
 
   [[nodiscard]] const Source& description() const noexcept { return description_; }
-  /// That was taken out, or never in; in Welkin's axes.
+  /// The sun that was extracted or never in the pixels, in Welkin's axes.
   [[nodiscard]] const std::optional<Sun>& sun() const noexcept { return sun_; }
   [[nodiscard]] const std::optional<SkyReport>& sky() const noexcept { return sky_; }  ///< of a computed one
-  /// What was computed, if it is to be kept.
+  /// Moves out the computed image, if it is to be kept.
   [[nodiscard]] LatLongImage take_image() noexcept { return std::move(image_); }
-  /// Three bands that an .env stores beside its pixels, turned as those are: its pixels end at 255. None if light was
-  /// taken out, clamped or decoded: then the pixels alone tell.
+  /// The three bands that an .env stores in addition to its pixels, which end at 255, rotated as the pixels are. None
+  /// if light was extracted, clamped or decoded: then the pixels alone count.
   [[nodiscard]] const std::optional<Projection>& stored_light() const noexcept { return stored_light_; }
   /// The harmonics of the pixels before those were rotated, rotated exactly; none if they were not.
   [[nodiscard]] const std::optional<SphericalHarmonics>& rotated_radiance() const noexcept { return radiance_; }
@@ -61,7 +61,7 @@ class BakeSource {
   std::uint64_t infinities_ = 0;
 };
 
-constexpr double kTurning = 0.7;  // of the progress of what is read: where turning it begins
+constexpr double kTurning = 0.7;  // fraction of the progress of reading where the rotation begins
 
 bool is_reused(const Projection& projection) {
   const std::vector<PassRecord>& passes = projection.diagnostics.passes;
@@ -69,8 +69,8 @@ bool is_reused(const Projection& projection) {
                      [](const PassRecord& pass) { return pass.name == "project" && pass.action == PassAction::reuse; });
 }
 
-/// The light that an .env file stores beside its pixels; none where there is no polynomial, at a smaller level, and
-/// where pixels are to be clamped or decoded: that light was made without.
+/// Returns the light that an .env file stores in addition to its pixels; nothing without a polynomial, for a smaller
+/// level, and where pixels are clamped or decoded, which the stored light does not reflect.
 std::optional<Projection> light_stored_in(const EnvironmentInfo& info, const BakeCommandOptions& options,
                                           const Control& control) {
   const ReadOptions& read = options.common.read;
@@ -144,15 +144,15 @@ struct BakeMemory {
   std::uint64_t source = 0;       ///< held until all is baked
   std::uint64_t second_bake = 0;  ///< of the .env's or .glb's chain: results and working memory; 0 if there is none
   int levels = 1;                 ///< of the source's file
-  std::uint64_t lat_long = 0;     ///< that is written; 0 if there is none
+  std::uint64_t lat_long = 0;     ///< of the lat-long that is written; 0 if there is none
 };
 
-/// The .env's or .glb's chain beside the bake's own.
+/// The .env's or .glb's chain, in addition to the bake's own.
 struct EnvChain {
   PrefilterOptions options;
-  std::string pass;          ///< what its bake is called
-  bool wanted = false;       ///< such a file is asked for, and materials would read it
-  bool is_specular = false;  ///< the bake's own chain would do
+  std::string pass;          ///< name of its bake
+  bool wanted = false;       ///< such a file is selected, and materials would read it
+  bool is_specular = false;  ///< the bake's own chain serves for it
 
   [[nodiscard]] bool second() const noexcept { return wanted && !is_specular; }
 };
@@ -161,7 +161,7 @@ struct EnvChain {
 struct FolderPlan {
   Plan light{};  ///< by the library's bake
   EnvChain env{};
-  Plan whole{};  ///< with the chains beside it
+  Plan whole{};  ///< with the additional chains
   BakeMemory memory{};
 };
 
@@ -177,7 +177,7 @@ std::uint64_t chain_bytes(int size, int levels) {
   return bytes;
 }
 
-/// 0: there is none.
+/// Returns 0 if there is none.
 int background_size(const BakeOptions& bake) {
   if (!bake.background) return 0;
   return bake.background->size.value_or(bake.specular ? bake.specular->size : 0);
@@ -193,7 +193,7 @@ constexpr const char* kSmallerSource = "reduce the image first ('welkin convert'
 constexpr const char* kSmallerLevel = "read a smaller one of its levels (--level)";
 constexpr const char* kSmallerResults = "pass a smaller --size or --background-size";
 
-/// What `bake` alone makes of the .env's or .glb's chain.
+/// Returns options by which `bake` makes the .env's or .glb's chain alone.
 BakeOptions second_bake_options(const PrefilterOptions& env) {
   BakeOptions options;
   options.background.reset();
@@ -205,8 +205,8 @@ BakeOptions second_bake_options(const PrefilterOptions& env) {
   return options;
 }
 
-/// The step that takes most: of the bake itself, the .env's or .glb's chain, lat-longs, or cubemaps that are turned on
-/// the way out. Not counted: previews, and what an encoder holds of a file. `limit` matters to the remedy.
+/// Returns the step that takes the most memory: the bake itself, the .env's or .glb's chain, lat-longs, or rotating
+/// cubemaps to the engine's faces. Excluded: previews, and the memory of encoders. `limit` affects the remedy.
 MemoryStep largest_step(const FolderPlan& folder, const BakeCommandOptions& options, std::uint64_t limit) {
   const BakeMemory& memory = folder.memory;
   const BakeOptions& bake = folder.light.options;
@@ -239,7 +239,7 @@ MemoryStep largest_step(const FolderPlan& folder, const BakeCommandOptions& opti
                                     has_glb ? "results, the .glb's chain and its rotated faces"
                                             : "results, the .env's chain and its rotated faces",
                                     kSmallerResults});
-  // Where a pixel was replaced or clamped, the source is copied.
+  // If a pixel was replaced or clamped, the source is copied.
   consider(memory.lat_long > 0,
            {2 * memory.source + results + memory.lat_long, "source, results and the lat-long", smaller});
   consider(turns, {results + std::max(background, specular), "results and one of them rotated to the engine's faces",
@@ -259,11 +259,11 @@ void check_memory(const FolderPlan& folder, const BakeCommandOptions& options) {
                   options.common.memory_option + " to " + std::to_string((worst.bytes >> kMebi) + 1) + "MiB");
 }
 
-// Shares of the progress.
+// Fractions of the progress.
 constexpr double kRead = 0.15;
 constexpr double kBaked = 0.75;
 
-/// Of the file that Babylon.js reads as RGBD: its chain may be another than that of all else.
+/// Returns the container of the file that Babylon.js reads as RGBD: its chain may differ from that of all other files.
 const char* env_container(const BakeCommandOptions& options) {
   return name(contains(options.files, Content::gltf_light) ? Container::glb : Container::env);
 }
@@ -272,8 +272,8 @@ std::string env_pass(const BakeCommandOptions& options) {
   return std::string("specular for .") + env_container(options);
 }
 
-/// What that file needs: Babylon.js computes the mip from the roughness by a formula of its own. That of an .env goes
-/// down to one texel.
+/// Returns the options of that file's chain: Babylon.js computes the mip from the roughness by its own formula. The
+/// chain of an .env goes down to one texel.
 PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommandOptions& options) {
   PrefilterOptions env = specular;
   if (contains(options.files, Content::gltf_light)) {
@@ -291,7 +291,7 @@ PrefilterOptions env_options(const PrefilterOptions& specular, const BakeCommand
   return env;
 }
 
-/// Replaces what came from the pixels of an .env, which end at 255, as `bake_file` does: up to three bands, and the
+/// Replaces the results from the pixels of an .env, which end at 255, as `bake_file` does: up to three bands, and the
 /// irradiance cubemap unless it was to be integrated directly.
 void use_stored_light(Baked& baked, const Control& control) {
   const int bands = baked.options.bands;
@@ -309,8 +309,8 @@ void use_stored_light(Baked& baked, const Control& control) {
       irradiance_cubemap(irradiance_from_radiance(*light.radiance), irradiance->size, {control.stop, {}});
 }
 
-/// The .env wants its polynomial, the .glb its coefficients, whatever else reads them. For an engine that computes its
-/// light from a lat-long, only what a file holds is baked: the background is for the preview.
+/// Returns the needs with those of the files: the .env needs its polynomial, the .glb its coefficients. For an engine
+/// that computes its light from a lat-long, only results in files are baked: the background is for the preview.
 SceneNeeds needs_of(const BakeCommandOptions& options) {
   constexpr int kPolynomialBands = 3;
   SceneNeeds needs = options.scene.needs();
@@ -320,10 +320,10 @@ SceneNeeds needs_of(const BakeCommandOptions& options) {
   }
   if (is_lat_long_folder(options)) needs.background = options.previews;
   if (!needs.glossy) return needs;
-  // An engine finds its mips by their number and its own formula: a chain with some left out would be another's.
+  // An engine finds its mips by their number and its own formula, which a chain without some mips would not match.
   if (is_engine_folder(options)) needs.glossy = RoughnessRange{};
   if (!contains_rgbd(options.files)) return needs;
-  // Where its chain is the bake's own, leaving out mips of one would make the other a chain to bake.
+  // If its chain is the bake's own, leaving out mips of one would make the other an additional chain.
   const PrefilterOptions whole = *library_options(options).specular;
   if (env_options(whole, options) == whole) needs.glossy = RoughnessRange{};
   if (needs.diffuse_bands <= 1) needs.irradiance_cubemap = false;
@@ -339,7 +339,7 @@ EnvChain env_chain(const BakeCommandOptions& options, const BakeOptions& whole, 
   return chain;
 }
 
-/// States for each pass that no scene leaves out why it is not run.
+/// States the reason for each pass that is skipped regardless of the scene.
 void explain_folder(const BakeCommandOptions& options, Plan& planned) {
   if (!is_lat_long_folder(options)) return;
   for (PlannedPass& pass : planned.passes) {
@@ -355,24 +355,24 @@ std::string lobe_pass(LobeFamily lobe) { return std::string("lobe ") + name(lobe
 constexpr const char* kEnvReason = "Babylon.js has its own roughness for each mip";
 constexpr const char* kLobeReason = "as --lobe asks";
 
-/// Adds a chain that the library's bake does not make, and returns the bytes that it takes by itself.
+/// Adds a chain that the library's bake does not make, and returns the bytes that it takes alone.
 std::uint64_t plan_chain(const SourceShape& source, const PrefilterOptions& chain, const std::string& name,
                          const std::string& reason, Plan& planned) {
-  const Plan beside = plan(source, SceneNeeds(), second_bake_options(chain));
-  PlannedPass pass = beside.pass("specular");
+  const Plan alone = plan(source, SceneNeeds(), second_bake_options(chain));
+  PlannedPass pass = alone.pass("specular");
   pass.name = name;
   pass.reason = reason + ": " + pass.reason;
-  planned.result_bytes += beside.result_bytes;
-  planned.working_bytes = std::max(planned.working_bytes, beside.working_bytes);
+  planned.result_bytes += alone.result_bytes;
+  planned.working_bytes = std::max(planned.working_bytes, alone.working_bytes);
   planned.passes.push_back(std::move(pass));
-  return beside.result_bytes + beside.working_bytes;
+  return alone.result_bytes + alone.working_bytes;
 }
 
-/// What a file carries may be taken if nothing is to be done to it. (Of an .env more is made than a plan knows.)
+/// Returns whether a file's stored results may serve unchanged. (An .env becomes more than a plan describes.)
 bool takes_stored(const BakeCommandOptions& options, const SceneNeeds& needs) {
   if (!options.input || !options.scene.any() || !needs.stored_results || options.sun.take_out) return false;
   if (contains_rgbd(options.files) || !options.lobes.empty()) return false;
-  if (contains(options.files, Content::lat_long)) return false;  // which is made of the pixels
+  if (contains(options.files, Content::lat_long)) return false;  // made from the pixels
   OrientationOptions into_welkin = options.orientation;
   into_welkin.to = Engine::welkin;
   const glm::dmat3 identity(1.0);
@@ -383,7 +383,7 @@ void explain(const BakeCommandOptions& options, const Plan& plan) {
   if (options.scene.explains()) std::cerr << plan_text(plan) << std::flush;
 }
 
-/// From the file, with what it carries, as `baked.plan` has it.
+/// Bakes from the file with its stored results, by `baked.plan`.
 void bake_stored(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked,
                  const Control& control) {
   baked.source = source_of(*options.input, file.info);
@@ -408,7 +408,7 @@ PrefilteredSpecular prefilter_chain(const BakeSource& source, const PrefilterOpt
                           : prefilter_specular(source.view(), chain, control);
 }
 
-/// Whether light that lies beside the pixels may replace what is computed of them.
+/// Returns whether light stored in addition to the pixels may replace the light that is computed from them.
 bool takes_light(const BakeCommandOptions& options, const SceneNeeds& needs) {
   return needs.stored_results || !options.scene.any();
 }
@@ -423,9 +423,9 @@ void note_dark_channels(const PrefilteredSpecular& chain, std::vector<std::strin
   }
 }
 
-/// Replaces harmonics of pixels that were moved between texels by those that were rotated exactly.
+/// Replaces the harmonics of pixels that resampling moved with exactly rotated ones.
 void use_rotated_radiance(const BakeSource& source, Baked& baked) {
-  constexpr double kRounding = 1e-5;  // whole texels that only changed places
+  constexpr double kRounding = 1e-5;  // for whole texels that only moved
   const std::optional<SphericalHarmonics>& whole = source.rotated_radiance();
   if (!whole || !baked.light.radiance || whole->bands() < baked.light.radiance->bands()) return;
   SphericalHarmonics exact = resized(*whole, baked.light.radiance->bands());
@@ -443,7 +443,7 @@ void use_rotated_radiance(const BakeSource& source, Baked& baked) {
                         " %; harmonics are rotated exactly, cubemaps are made from the rotated image");
 }
 
-/// Of a chain without its sharpest mips there is no sharp environment.
+/// Notes that results are blurred if the chain has lost its sharpest mips, and with them a sharp environment.
 void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options, Baked& baked) {
   for (const std::string& note : file.info.notes) {
     if (std::ranges::find(baked.source.notes, note) == baked.source.notes.end()) baked.source.notes.push_back(note);
@@ -454,7 +454,7 @@ void note_blur(const StoredEnvironment& file, const BakeCommandOptions& options,
                         ", so all results are blurred by that");
 }
 
-/// `memory`: what is known of the source.
+/// Plans all parts of a folder. `memory`: the known sizes of the source.
 FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& options, const SceneNeeds& needs,
                        const BakeOptions& asked, BakeMemory memory) {
   FolderPlan folder{plan(source, needs, asked), {}, {}, std::move(memory)};
@@ -472,14 +472,14 @@ FolderPlan plan_folder(const SourceShape& source, const BakeCommandOptions& opti
   return folder;
 }
 
-/// What a file's header tells of the work on its pixels.
+/// Plans from a file's header the work on its pixels.
 FolderPlan plan_header(const StoredEnvironment& file, const BakeCommandOptions& options, const SceneNeeds& needs,
                        const BakeOptions& asked) {
   return plan_folder(file.shape, options, needs, asked,
                      {.path = *options.input, .source = kTexelBytes * file.shape.texels(), .levels = file.levels});
 }
 
-/// Puts the plan into `baked`, and refuses what would not fit into memory, as the library's own limit does.
+/// Puts the plan into `baked`, and refuses work that would not fit into memory, as the library's own limit does.
 FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& options, const SceneNeeds& needs,
                        Baked& baked) {
   FolderPlan folder = plan_folder(shape_of(source.view()), options, needs, baked.whole,
@@ -494,10 +494,10 @@ FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& optio
   return folder;
 }
 
-/// From the pixels.
+/// Bakes from the pixels.
 void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
   std::optional<StoredEnvironment> file;
-  if (options.input) {  // what would be refused once its pixels are read is refused by its header
+  if (options.input) {  // refuse by the header what the pixels would fail
     file = header_of(options);
     check_memory(plan_header(*file, options, needs, baked.whole), options);
   }

@@ -1,4 +1,4 @@
-// What `welkin bake` bakes and what it has made, before it is written.
+// The source and the results of `welkin bake`, before they are written.
 #pragma once
 
 #include <chrono>
@@ -24,29 +24,29 @@ struct LobeChain {
 struct Baked {
   Source source;
   std::optional<SkyReport> sky;  ///< of a computed one
-  LatLongImage image;            ///< of it, if it is to be kept
-  LatLongImage lat_long;         ///< of files with one: the source, sanitized, at the size that was asked for
-  bool sun_wanted = false;       ///< it was to be taken out, or was never in the pixels
+  LatLongImage image;            ///< of `sky`, if it is to be kept
+  LatLongImage lat_long;         ///< for files with one: the source, sanitized, at the requested size
+  bool sun_wanted = false;       ///< the sun was to be extracted, or was never in the pixels
   std::optional<Sun> sun;
-  BakeOptions whole;    ///< all that the options ask for
-  BakeOptions options;  ///< what the scene needs of it
+  BakeOptions whole;    ///< all that the options select
+  BakeOptions options;  ///< the part of it that the scene needs
   Plan plan;
   BakeResult light;
   std::optional<PrefilteredSpecular> env;  ///< the .env's or .glb's chain, if the specular one would not do
   std::vector<LobeChain> lobes;            ///< of --lobe
-  std::optional<Projection> stored_light;  ///< of an .env: three bands that its pixels, clipped, do not have
-  bool env_is_specular = false;            ///< it would
+  std::optional<Projection> stored_light;  ///< of an .env: three bands that its clipped pixels lack
+  bool env_is_specular = false;            ///< the specular chain serves for the .env or .glb too
   bool env_left_out = false;               ///< no material of the scene would read it
   std::vector<MipRecord> env_mips;         ///< of that chain; empty without an .env or .glb
   std::string env_container;               ///< "env" or "glb"
-  std::vector<PassRecord> passes;          ///< of the command itself: what lies around the library's
-  std::vector<std::string> notes;          ///< of this run alone: what its cache could not do
+  std::vector<PassRecord> passes;          ///< of the command itself, outside of the library's bake
+  std::vector<std::string> notes;          ///< of this run alone: what its cache failed to do
 };
 
 /// The name of the library's bake among the command's own passes.
 inline constexpr const char* kBakePass = "bake";
 
-/// Runs `work` and notes how long it took. Of a stage, or of one of several things that a stage does side by side.
+/// Runs `work` and notes its time: for a stage, or for one of several concurrent parts of a stage.
 template <typename Work>
 auto measured(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
   using Milliseconds = std::chrono::duration<double, std::milli>;
@@ -63,29 +63,29 @@ auto measured(std::vector<PassRecord>& passes, const std::string& name, const st
   return work();
 }
 
-/// The same of a stage of its own.
+/// Begins a stage, and runs its work by `measured`.
 template <typename Work>
 auto timed(std::vector<PassRecord>& passes, const std::string& name, const std::string& reason, const Work& work) {
   begin_stage(name);
   return measured(passes, name, reason, work);
 }
 
-/// The plan by itself; of a file only the header is read.
+/// Returns the plan alone; of a file only the header is read.
 [[nodiscard]] Plan plan_ahead(const BakeCommandOptions& options, const Control& control);
 
-/// What an input's header tells of its bake.
+/// The size of a bake, as predicted from its input's header.
 struct Prediction {
   EnvironmentInfo info;
   std::uint64_t texels = 0;        ///< of the input
   std::uint64_t result_bytes = 0;  ///< in memory, before they become files
-  std::uint64_t most_bytes = 0;    ///< of the step that takes most; without previews and encoders
+  std::uint64_t most_bytes = 0;    ///< of the step that takes the most; without previews and encoders
 };
 
-/// Predicts a bake of a file. Throws as `plan_ahead`.
+/// Predicts a bake of a file. Throws the errors of `plan_ahead`.
 [[nodiscard]] Prediction predict(const BakeCommandOptions& options);
 
-/// Reads and bakes what the options ask for, less what the scene does not need. The plan is printed to standard error
-/// before, if it is to be explained.
+/// Reads the source and bakes what the options select, except what the scene does not need. Prints the plan to standard
+/// error before, if it is to be explained.
 [[nodiscard]] Baked bake_source(const BakeCommandOptions& options, const Control& control);
 
 // Parts of a bake that the command makes itself.
@@ -107,8 +107,8 @@ struct Prediction {
 [[nodiscard]] LatLongImage lat_long_of(const EnvironmentView& source, const BakeCommandOptions& options,
                                        const BakeOptions& whole, const Control& control);
 
-/// Returns the light that a clamp at `largest` takes away as a share of all luminance, by solid angle; 0 if there is no
-/// light. Pixels are RGB floats; negative values count as no light.
+/// Returns the fraction of all luminance, by solid angle, that a clamp at `largest` removes; 0 if there is no light.
+/// Pixels are RGB floats; negative values count as no light.
 [[nodiscard]] double share_beyond(const LatLongView& image, const glm::dvec3& largest);
 [[nodiscard]] double share_beyond(const CubemapView& cubemap, const glm::dvec3& largest);
 

@@ -1,5 +1,5 @@
-// `welkin batch`: its plan (jobs.json), the folder of results, and what is made of them. docs/guides/farm.md has the
-// files' formats.
+// `welkin batch`: its plan (jobs.json), the folder of results, and their summary. docs/guides/farm.md describes the
+// formats of the files.
 #pragma once
 
 #include <cstddef>
@@ -19,55 +19,55 @@ namespace welkin::tool {
 
 // ---- The plan
 
-/// One input and what is to be made of it.
+/// One input and the options of its bake.
 struct BatchJob {
-  std::string name{};                  ///< no other job has it
-  std::string input{};                 ///< relative to the folder of the plan, where that is possible
-  std::vector<std::string> options{};  ///< of `welkin bake`; files that they name are relative as the input is
+  std::string name{};                  ///< unique in the plan
+  std::string input{};                 ///< relative to the folder of the plan, if possible
+  std::vector<std::string> options{};  ///< of `welkin bake`; paths in them are relative as the input is
   double seconds = 0.0;                ///< predicted, on one core
   std::uint64_t size = 0;              ///< of the input's file, in bytes
-  std::uint64_t memory = 0;            ///< predicted, in bytes: the most that its bake holds
-  std::string error{};                 ///< why its input could not be read when this was planned; empty: it could
+  std::uint64_t memory = 0;            ///< predicted peak of its bake, in bytes
+  std::string error{};                 ///< reason why its input could not be read for the plan; empty: it could
 };
 
 struct BatchPlan {
-  std::filesystem::path file;    ///< of the plan; where that is a link, its target
+  std::filesystem::path file;    ///< of the plan; the target if that is a link
   std::filesystem::path folder;  ///< in which the file is, without links: paths in the plan are relative to it
   std::vector<BatchJob> jobs;
 
   [[nodiscard]] double seconds() const noexcept;
-  /// Returns the default folder of results: beside the plan, by its name with ".results".
+  /// Returns the default folder of results: next to the plan, by its name with ".results".
   [[nodiscard]] std::filesystem::path default_results() const;
 };
 
 struct BatchRequest {
   std::vector<std::string> inputs;  ///< files, folders and patterns (*, ?, **)
-  std::optional<std::string> list;  ///< a file of JSON lines; its inputs may be on other machines alone
-  GivenOptions options;             ///< of all jobs; those of their lines replace them
+  std::optional<std::string> list;  ///< a file of JSON lines; its inputs may exist on other machines only
+  GivenOptions options;             ///< of all jobs; options in their lines replace them
 };
 
-/// Whether the name has the ending of a file that Welkin reads as an environment.
+/// Returns whether the name has the extension of a file that Welkin reads as an environment.
 [[nodiscard]] bool is_image_name(const std::filesystem::path& path);
 
-/// Whether the text has one of the signs of a pattern.
+/// Returns whether the text has one of the signs of a pattern.
 [[nodiscard]] bool is_pattern(const std::string& text) noexcept;
 
-/// Returns the options of `welkin bake` that say what comes out. `bake` must outlive them.
+/// Returns the options of `welkin bake` that affect its results. `bake` must outlive them.
 [[nodiscard]] Options job_options(BakeCommandOptions& bake);
 
-/// Reads every input's header. An input that cannot be read is a job with an error, unless it stands in `inputs` and is
-/// not there or is no image. Throws `Error`: file_access for that, and if `file` is there and no plan, or cannot be;
-/// invalid_argument for options that `welkin bake` would refuse, for a pattern without a match and if there is nothing
-/// to do; what reading the list does (`for_each_line`).
+/// Reads every input's header. An input that cannot be read becomes a job with an error, unless it is in `inputs` and
+/// does not exist or is no image. Throws `Error`: file_access for such an input, and if `file` exists and is no plan,
+/// or cannot be one; invalid_argument for options that `welkin bake` would refuse, for a pattern without a match and if
+/// there is nothing to do; and the errors of reading the list (`for_each_line`).
 [[nodiscard]] BatchPlan plan_batch(const BatchRequest& request, const std::filesystem::path& file);
 
 void write_batch_plan(const BatchPlan& plan);
 
-/// Throws `Error`: file_access, limit_exceeded; corrupt_file for what is no plan of this version.
+/// Reads a plan. Throws `Error`: file_access, limit_exceeded; corrupt_file for anything but a plan of this version.
 [[nodiscard]] BatchPlan read_batch_plan(const std::filesystem::path& file);
 
-/// Returns what `welkin bake` would have to do for a job. Throws `Error`: invalid_argument; file_access for a file of
-/// its options that is no regular one, because a batch reads it more than once.
+/// Returns the options of `welkin bake` for a job. Throws `Error`: invalid_argument; file_access for a file of its
+/// options that is no regular one, because a batch reads it more than once.
 [[nodiscard]] BakeCommandOptions bake_options_of(const BatchPlan& plan, const BatchJob& job);
 
 /// The part `number` (from 1) of `count`.
@@ -77,11 +77,11 @@ struct Shard {
 };
 inline constexpr int kMaxShards = 1'000'000;
 
-/// Returns the jobs of each shard, costliest first. In the order of cost every job goes to the shard that has least to
-/// do by then; of several to the one with the fewest jobs, and of those to the first. It follows from the plan alone.
+/// Returns the jobs of each shard, costliest first. In the order of cost every job goes to the shard with the least
+/// work so far; of several to the one with the smallest number of jobs, then to the first. Depends on the plan alone.
 [[nodiscard]] std::vector<std::vector<std::size_t>> cut_batch(const BatchPlan& plan, int shards);
 
-// ---- Results: each a folder of what `welkin bake` writes, and result.json; whole or absent
+// ---- Results: each a folder with the files of `welkin bake` and result.json; complete or absent
 
 struct ResultFile {
   std::string name;
@@ -90,45 +90,45 @@ struct ResultFile {
 
   friend bool operator==(const ResultFile&, const ResultFile&) = default;
 };
-/// Of a result; in the order of their names.
+/// The files of a result, in the order of their names.
 using ResultFiles = std::vector<ResultFile>;
 
 enum class JobState {
   computed,
-  present,   ///< its result was there
-  failed,    ///< there is no result, and why is said
-  verified,  ///< computed once more: the files have the hashes that are listed
-  differs    ///< or others
+  present,   ///< its result already existed
+  failed,    ///< no result, but a reason
+  verified,  ///< computed again: the files have the listed hashes
+  differs    ///< the files have other hashes
 };
 [[nodiscard]] const char* name(JobState state) noexcept;
 
-/// What result.json says.
+/// The content of result.json.
 struct JobResult {
   JobState state = JobState::failed;  ///< computed, failed or differs
   ContentHash key;                    ///< `bake_key`
-  ResultFiles files;                  ///< of one that is not failed
-  std::string error_code;             ///< of one that is
+  ResultFiles files;                  ///< unless it failed
+  std::string error_code;             ///< if it failed
   std::string error;
-  double seconds = 0.0;  ///< that it took
-  int threads = 1;       ///< that it had
+  double seconds = 0.0;  ///< duration
+  int threads = 1;       ///< used
   std::string host;
   double start = 0.0;  ///< in seconds since 1970, by the clock of the host
 };
 
-/// Returns the hash of input and options as the plan has them, by which the folder of a job's result is named.
+/// Returns the hash of the input and options of the plan, which names the folder of a job's result.
 [[nodiscard]] ContentHash hash_of(const BatchJob& job);
 
-/// Returns nothing if there is no sound result.json.
+/// Reads result.json. Returns nothing if it is missing or damaged.
 [[nodiscard]] std::optional<JobResult> read_result(const std::filesystem::path& folder);
 
-/// Returns whether a result is there for the folder's job: one that did not fail or differ, with all of its files in
-/// their sizes. Their bytes are not read.
+/// Returns whether the folder has a result of its job that neither failed nor differs, with all files in their sizes.
+/// Their bytes are not read.
 [[nodiscard]] bool is_done(const std::filesystem::path& folder, const std::optional<JobResult>& result);
 
 /// Returns all files in the folder but result.json.
 [[nodiscard]] ResultFiles hash_files_in(const std::filesystem::path& folder);
 
-/// Returns ", "-separated names of files that are in one list alone, or have other bytes.
+/// Returns the names, separated by ", ", of files that are in only one list or have other bytes.
 [[nodiscard]] std::string differing(const ResultFiles& listed, const ResultFiles& found);
 
 void write_result(const std::filesystem::path& folder, const JobResult& result);
@@ -140,24 +140,24 @@ struct BatchRun {
   std::string cache;  ///< the folder of a `ResultCache`; empty: there is none
   Shard shard;
   int threads = 1;
-  std::uint64_t memory = 0;  ///< that bakes may hold at a time, by prediction
-  double verify = 0.0;       ///< the share of results that is computed once more
+  std::uint64_t memory = 0;  ///< limit for concurrent bakes, by prediction
+  double verify = 0.0;       ///< the fraction of results to compute again
 };
 
 struct BatchOutcome {
   std::size_t jobs = 0;
-  std::map<JobState, std::size_t> counts;       ///< one that is verified is of another shard
-  std::map<std::size_t, std::string> troubles;  ///< of failed and different ones, by their numbers in the plan
+  std::map<JobState, std::size_t> counts;       ///< a verified job is another shard's
+  std::map<std::size_t, std::string> troubles;  ///< of failed and differing jobs, by their index in the plan
   double seconds = 0.0;
 };
 
-/// Bakes what is not there, many at a time, with progress on a terminal. Throws `Error`: cancelled after a signal,
+/// Bakes missing results, several concurrently, with progress on a terminal. Throws `Error`: cancelled after a signal,
 /// file_access if results cannot be written.
 [[nodiscard]] BatchOutcome run_batch(const BatchPlan& plan, const BatchRun& run);
 
 // ---- Status and merge
 
-/// Prints how far a shard of the batch is. Throws `Error` (corrupt_file) if a job has failed or differs.
+/// Prints the progress of a shard. Throws `Error` (corrupt_file) if a job has failed or differs.
 void show_status(const BatchPlan& plan, const std::filesystem::path& results, const Shard& shard, bool as_json);
 
 /// Hashes every input and every file of its result, and writes index.json and index.html to `folder`. Throws `Error`:

@@ -169,7 +169,7 @@ Options batch_options(BatchCommandOptions& options) {
   return table;
 }
 
-/// What the action would pass over is refused, so that nobody thinks that it was heeded.
+/// Refuses options that the action would ignore, so that they are not thought to have an effect.
 void refuse_others(Action action, const Given& given) {
   const std::string name = std::array{"plan", "run", "status", "merge"}.at(static_cast<std::size_t>(action));
   static const std::map<std::string, std::string> takers = {

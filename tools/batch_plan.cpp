@@ -1,4 +1,4 @@
-// A batch's plan: which inputs there are, with which options each is baked, what that costs, and how it is cut.
+// A batch's plan: the inputs, the options and the predicted cost of each, and the shards.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -29,7 +29,7 @@ constexpr double kMaxSeconds = 1e9;
 
 // ---- Options
 
-constexpr const char* kNeeds = "--needs";  // the only one that names a file
+constexpr const char* kNeeds = "--needs";  // the only option that names a file
 
 std::vector<std::string> words_of(const GivenOptions& options) {
   std::vector<std::string> words;
@@ -40,10 +40,10 @@ std::vector<std::string> words_of(const GivenOptions& options) {
   return words;
 }
 
-// ---- The files that words on a command line stand for
+// ---- The files named by the words of a command line
 
-/// Whether a path fits a pattern: within a folder's or file's name `*` stands for any characters and `?` for one, and
-/// `**` for any number of folders.
+/// Returns whether a path fits a pattern: within a folder's or file's name `*` stands for any characters and `?` for
+/// one, and `**` for any number of folders.
 bool fits(std::string_view path, std::string_view pattern) noexcept {
   constexpr std::string_view kFolders = "**/";
   if (pattern.empty()) return path.empty();
@@ -58,8 +58,8 @@ bool fits(std::string_view path, std::string_view pattern) noexcept {
   return (same || (goes_on && pattern.front() == '?')) && fits(path.substr(1), pattern.substr(1));
 }
 
-/// Adds the images in a folder and in those below it, but for hidden ones and those that a bake has made. Links to
-/// folders are not followed: they might lead back.
+/// Adds the images in a folder and in those below it, except hidden ones and those that a bake has made. Links to
+/// folders are not followed: they might form a cycle.
 void add_images(const fs::path& folder, std::size_t depth, std::vector<fs::path>& found) {
   std::error_code trouble;
   std::error_code unknown;
@@ -80,7 +80,7 @@ void add_images(const fs::path& folder, std::size_t depth, std::vector<fs::path>
 
 constexpr std::size_t kAnyDepth = 1000;
 
-/// All images below a folder, in the order of their paths.
+/// Returns all images below a folder, in the order of their paths.
 std::vector<fs::path> images_below(const fs::path& folder, std::size_t depth = kAnyDepth) {
   std::vector<fs::path> found;
   add_images(folder, depth, found);
@@ -111,43 +111,43 @@ std::vector<fs::path> images_that_fit(const std::string& named) {
 
 // ---- Planning
 
-/// Returns the file as `folder` sees it. Links in its own name stay, because its name may tell its layout.
+/// Returns the path relative to `folder`. Links in the file's own name stay, because its name may determine its layout.
 std::string relative_to(const fs::path& folder, const fs::path& file) {
   std::error_code unknown;
   const fs::path parent = fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown);
   return platform::generic_utf8((parent / file.filename()).lexically_proximate(folder));
 }
 
-/// A plan without jobs.
+/// Returns a plan without jobs.
 BatchPlan plan_at(const fs::path& named) {
   std::error_code unknown;
   const fs::path file = fs::is_symlink(named, unknown) ? fs::weakly_canonical(named, unknown) : named;
   return {file, fs::weakly_canonical(fs::absolute(file, unknown).parent_path(), unknown), {}};
 }
 
-/// Seconds of one core, measured with bakes of photographs of 1024 x 512 with `--size 256` and more on one thread of
-/// Zen 4. They only decide what is a fair share.
+/// Returns the seconds of one core, measured with bakes of photographs of 1024 x 512 with `--size 256` and more on one
+/// thread of Zen 4. They only affect how work is shared out.
 double seconds_of(const Prediction& prediction, const BakeCommandOptions& options) {
-  constexpr double kSecondsOfAJob = 0.02;         // opening, hashing and naming eight files
-  constexpr double kSecondsOfATexel = 60e-9;      // reading one, and transforming it
-  constexpr double kSecondsOfAByte = 10e-9;       // of the results in memory: making it, and encoding it
-  constexpr double kSecondsOfZlibByte = 40e-9;    // the same where files are compressed by zlib
-  constexpr double kSecondsOfBlockByte = 160e-9;  // or have ASTC blocks
-  constexpr double kSecondsOfPreviews = 0.12;     // of spheres of the default size
-  double seconds_of_a_byte = kSecondsOfAByte;
+  constexpr double kSecondsPerJob = 0.02;          // opening, hashing and naming eight files
+  constexpr double kSecondsPerTexel = 60e-9;       // reading and transforming it
+  constexpr double kSecondsPerByte = 10e-9;        // of the results in memory: making and encoding it
+  constexpr double kSecondsPerZlibByte = 40e-9;    // for files compressed by zlib
+  constexpr double kSecondsPerBlockByte = 160e-9;  // for files with ASTC blocks
+  constexpr double kSecondsOfPreviews = 0.12;      // with spheres of the default size
+  double seconds_per_byte = kSecondsPerByte;
   for (const OutputFile& file : options.files) {
     const bool has_blocks = file.format == TexelFormat::astc_4x4_hdr || file.format == TexelFormat::astc_6x6_hdr;
     if (file.supercompression == Supercompression::zlib)
-      seconds_of_a_byte = std::max(seconds_of_a_byte, kSecondsOfZlibByte);
-    if (has_blocks) seconds_of_a_byte = kSecondsOfBlockByte;
+      seconds_per_byte = std::max(seconds_per_byte, kSecondsPerZlibByte);
+    if (has_blocks) seconds_per_byte = kSecondsPerBlockByte;
   }
   const double sphere = static_cast<double>(options.preview_size) / BakeCommandOptions().preview_size;
-  return kSecondsOfAJob + kSecondsOfATexel * static_cast<double>(prediction.texels) +
-         seconds_of_a_byte * static_cast<double>(prediction.result_bytes) +
+  return kSecondsPerJob + kSecondsPerTexel * static_cast<double>(prediction.texels) +
+         seconds_per_byte * static_cast<double>(prediction.result_bytes) +
          (options.previews ? kSecondsOfPreviews * sphere * sphere : 0.0);
 }
 
-/// C++ strings go on behind a NUL, and names of files end there.
+/// Refuses a NUL, at which names of files end and C++ strings do not.
 void refuse_nul(const std::string& text, const std::string& where) {
   if (text.find('\0') != std::string::npos) throw Flaw{where + " has a character NUL"};
 }
@@ -156,7 +156,7 @@ void refuse_nul(const std::string& text, const std::string& where) {
 class Planner {
  public:
   Planner(BatchPlan& plan, const GivenOptions& options) : plan_(plan), options_(with_files_of(".", options)) {
-    static_cast<void>(bake_options_of(plan, {.options = words_of(options_)}));  // wrong even if there is no input
+    static_cast<void>(bake_options_of(plan, {.options = words_of(options_)}));  // checks them even without an input
   }
 
   void add_input(const std::string& word) {
@@ -195,8 +195,8 @@ class Planner {
     });
   }
 
-  /// Throws `Error` (file_access) for inputs of the command line that are not there or that no run could read: most
-  /// often their names are mistyped.
+  /// Throws `Error` (file_access) for inputs of the command line that do not exist or that no run could read: most are
+  /// mistyped.
   void plan() {
     if (wishes_.empty()) {
       throw Error(ErrorCode::invalid_argument,
@@ -218,14 +218,14 @@ class Planner {
 
  private:
   struct Wish {
-    std::string input{};     ///< as it was named
-    std::string name{};      ///< empty: by the input
-    GivenOptions options{};  ///< with files as the plan has them
-    bool found = false;      ///< in a folder or by a pattern: of six faces one stands for all
-    bool typed = false;      ///< on the command line: what no run could read is refused
+    std::string input{};     ///< as named
+    std::string name{};      ///< empty: from the input
+    GivenOptions options{};  ///< with the plan's paths of files
+    bool found = false;      ///< in a folder or by a pattern: one of six faces stands for all
+    bool typed = false;      ///< on the command line: refused if no run could read it
   };
 
-  /// Returns the options with files as the plan has them. `folder`: in which they are.
+  /// Returns the options with the plan's paths of files, which `folder` contains.
   [[nodiscard]] GivenOptions with_files_of(const fs::path& folder, GivenOptions options) const {
     for (auto& [name, value] : options) {
       if (name == kNeeds) value = relative_to(plan_.folder, folder / platform::path_of(value));
@@ -241,16 +241,16 @@ class Planner {
     if (wish.input.empty()) throw Flaw{"there is no \"input\""};
     refuse_nul(wish.input, "\"input\"");
     refuse_nul(wish.name, "\"name\"");
-    // What a list names lies beside it. An option of a line replaces that of all lines.
+    // Paths in a list are relative to the list's folder. An option of a line replaces that of all lines.
     const fs::path folder = list.has_parent_path() ? list.parent_path() : fs::path(".");
     BakeCommandOptions unused;
     unused.scene.folder = folder;
     Options table = job_options(unused);
     for (Option& option : table) option.needs = option.excludes = {};
     wish.options = options_;
-    for (const auto& own : with_files_of(folder, read_options(table, words))) {
-      std::erase_if(wish.options, [&](const auto& one) { return one.first == own.first; });
-      wish.options.push_back(own);
+    for (const auto& given : with_files_of(folder, read_options(table, words))) {
+      std::erase_if(wish.options, [&](const auto& one) { return one.first == given.first; });
+      wish.options.push_back(given);
     }
     static_cast<void>(bake_options_of(plan_, {.options = words_of(wish.options)}));
     wish.input = platform::utf8(list.parent_path() / platform::path_of(wish.input));
@@ -270,13 +270,13 @@ class Planner {
         throw Error(ErrorCode::unsupported_file,
                     printable(wish.input) + ": its name is not UTF-8, which plans need; rename it");
       }
-      constexpr std::uint64_t kBytesOfAJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
+      constexpr std::uint64_t kBytesPerJob = std::uint64_t{4} << 20U;  // buffers of codecs, at least
       BakeCommandOptions options = bake_options_of(plan_, job);
       options.input = wish.input;
       const Prediction prediction = predict(options);
       if (wish.found && is_known_face(job, prediction.info)) return;
       job.seconds = seconds_of(prediction, options);
-      job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesOfAJob;
+      job.memory = prediction.most_bytes + prediction.result_bytes / 2 + kBytesPerJob;
       std::error_code unknown;
       const auto size = fs::file_size(platform::path_of(wish.input), unknown);
       job.size = unknown ? 0 : static_cast<std::uint64_t>(size);
@@ -289,7 +289,7 @@ class Planner {
     plan_.jobs.push_back(std::move(job));
   }
 
-  /// Returns the name, of an image without its ending, with a number where another job has it.
+  /// Returns the name, without the extension of an image, with a number if another job has it.
   std::string unique_name(const Wish& wish) {
     const bool said = !wish.found && !wish.name.empty();
     std::string name = wish.name.empty() ? platform::utf8(platform::path_of(wish.input).filename()) : wish.name;
@@ -300,7 +300,7 @@ class Planner {
     return unique;
   }
 
-  /// Returns whether this is one of six files that another job reads as a whole.
+  /// Returns whether this is one of six files that another job reads together.
   bool is_known_face(const BatchJob& job, const EnvironmentInfo& info) {
     if (info.layout != Layout::six_files) return false;
     std::string all;
@@ -313,7 +313,7 @@ class Planner {
   const GivenOptions options_;
   std::vector<Wish> wishes_;
   std::vector<std::string> refused_;
-  std::map<std::string, int> names_;  ///< of each name the number that is to be tried next
+  std::map<std::string, int> names_;  ///< for each name, the number to try next
   std::set<std::string> faces_;
 };
 

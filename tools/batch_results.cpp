@@ -1,4 +1,4 @@
-// The folder of a batch's results, how far it is, and what is made of it in the end.
+// The folder of a batch's results, its status, and the merged index.
 #include <algorithm>
 #include <array>
 #include <set>
@@ -119,9 +119,9 @@ void show_status(const BatchPlan& plan, const fs::path& results, const Shard& sh
   std::vector<std::size_t> jobs = cut_batch(plan, shard.count).at(static_cast<std::size_t>(shard.number - 1));
   std::ranges::sort(jobs);
   std::size_t done = 0;
-  double predicted = 0.0;  // of what was computed,
-  double measured = 0.0;   // and what it took
-  double seconds = 0.0;    // predicted for what is left
+  double predicted = 0.0;  // of computed results
+  double measured = 0.0;   // their duration
+  double seconds = 0.0;    // predicted for the missing results
   std::vector<std::pair<const BatchJob*, JobResult>> troubles;
   for (const std::size_t index : jobs) {
     const BatchJob& job = plan.jobs[index];
@@ -168,8 +168,8 @@ constexpr const char* kIndexSchema = "welkin batch index";
 struct Merged {
   fs::path folder;
   ResultFiles files;
-  std::string problem;      ///< why the result is not in order; empty: it is
-  bool is_missing = false;  ///< it is not there, or its input cannot be read; else a problem is that it is damaged
+  std::string problem;      ///< the fault of the result; empty: none
+  bool is_missing = false;  ///< the result is missing, or its input cannot be read; any other problem: it is damaged
 };
 
 Merged check_job(const BatchPlan& plan, const BatchJob& job, const fs::path& results) {
@@ -212,7 +212,7 @@ std::string link_from(const fs::path& folder, const fs::path& to) {
   return platform::generic_utf8(target.lexically_proximate(from));
 }
 
-/// Adds what the page says of a bake: its source and its mips, as its manifest has them.
+/// Adds the page's description of a bake: its source and its mips, from its manifest.
 void add_figures(const fs::path& result, Json& job) {
   try {
     const Json manifest = read_json_file(result / kManifestName, "");
@@ -220,7 +220,7 @@ void add_figures(const fs::path& result, Json& job) {
     for (const auto& [name, value] : manifest.members()) {
       if (name == "source" || name == "specular") job[name] = value;
     }
-  } catch (const Error&) {  // the page does without
+  } catch (const Error&) {  // the page omits it
   } catch (const Flaw&) {
   }
 }
@@ -253,11 +253,11 @@ void write_index(const BatchPlan& plan, const std::vector<Merged>& merged, const
   write_text_file(folder / kIndexName, json_text(index));
   index["plan"] = platform::utf8(plan.file.filename());
   index["jobs"] = figures;
-  std::string safe;  // in a script nothing may look like its end
+  std::string safe;  // a script must not contain what looks like its end
   for (const char c : index.one_line()) safe += c == '<' ? "\\u003c" : std::string(1, c);
-  constexpr std::string_view kPlace = "INDEX";
+  constexpr std::string_view kMarker = "INDEX";
   std::string page = embedded_text("batch.html");
-  write_text_file(folder / kPageName, page.replace(page.find(kPlace), kPlace.size(), safe));
+  write_text_file(folder / kPageName, page.replace(page.find(kMarker), kMarker.size(), safe));
 }
 
 }  // namespace
@@ -271,7 +271,7 @@ void merge_batch(const BatchPlan& plan, const fs::path& results, const fs::path&
     ProgressBar bar;
     merged = check_jobs(plan, results, threads, bar.control());
   }
-  std::vector<ContentHash> hashes;  // of all results in the order of the plan; a missing one has no files
+  std::vector<ContentHash> hashes;  // of all results in the plan's order; a missing one has no files
   std::string problems;
   std::size_t missing = 0;
   std::size_t damaged = 0;

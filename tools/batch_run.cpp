@@ -1,4 +1,4 @@
-// Carries out a shard of a batch: what is not there is baked, many at a time.
+// Carries out a shard of a batch: bakes the missing results, several concurrently.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -33,34 +33,34 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 double time_now() { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
-/// What is done with a job.
+/// A job, and whether to bake or verify it.
 struct Task {
   std::size_t job;  ///< in the plan
-  bool verifies;    ///< a result that is there is computed once more
+  bool verifies;    ///< compute an existing result again
 };
 
-/// Returns the shard's own jobs, and then a share of the next shard's, which it verifies: by a hash of the job, so that
-/// it is the same share each time. Each costliest first.
+/// Returns the shard's own jobs, then a fraction of the next shard's, which it verifies. A hash of the job selects
+/// them, so that they are the same each time. Each part has the costliest first.
 std::vector<Task> tasks_of(const BatchPlan& plan, const BatchRun& run) {
   constexpr double kHashes = 18446744073709551616.0;  // 2^64
   const std::vector<std::vector<std::size_t>> cut = cut_batch(plan, run.shard.count);
-  const auto own = static_cast<std::size_t>(run.shard.number - 1);
+  const auto index = static_cast<std::size_t>(run.shard.number - 1);
   std::vector<Task> tasks;
-  for (const std::size_t job : cut[own]) tasks.push_back({job, false});
-  for (const std::size_t job : cut[(own + 1) % cut.size()]) {
+  for (const std::size_t job : cut[index]) tasks.push_back({job, false});
+  for (const std::size_t job : cut[(index + 1) % cut.size()]) {
     if (static_cast<double>(hash_of(plan.jobs[job]).high) < run.verify * kHashes) tasks.push_back({job, true});
   }
   return tasks;
 }
 
-/// The folder takes no more results. The fault of no job.
+/// The folder of results cannot be written, which is the fault of no job.
 class ResultsError : public Error {
  public:
   explicit ResultsError(const std::string& what) : Error(ErrorCode::file_access, what + "; is the disk full?") {}
 };
 
-/// Where a result is made: a folder beside its own, which one process has at a time. It replaces what a killed one
-/// left.
+/// The folder next to a result's own in which the result is made, by one process at a time. It replaces the remains of
+/// a killed process.
 class Workplace {
  public:
   explicit Workplace(const fs::path& result) : result_(result), path_(result) { path_ += ".work"; }
@@ -74,7 +74,7 @@ class Workplace {
   Workplace(const Workplace&) = delete;
   Workplace& operator=(const Workplace&) = delete;
 
-  /// Waits until other processes have left it. Throws `Error`: file_access, cancelled.
+  /// Waits until no other process uses it. Throws `Error`: file_access, cancelled.
   void enter(const stop_token& stop) {
     if (lock_) return;
     std::error_code trouble;
@@ -88,22 +88,22 @@ class Workplace {
     fs::remove_all(files(), trouble);
     fs::create_directories(files(), trouble);
   }
-  /// Removes what is left of a process that was killed once its result had its name.
+  /// Removes the remains of a process that was killed after it named its result.
   void clear() {
     std::error_code trouble;
     if (!fs::exists(path_, trouble)) return;
     lock_.emplace(path_);
-    if (!lock_->take()) lock_.reset();  // somebody works there
+    if (!lock_->take()) lock_.reset();  // another process uses it
   }
   [[nodiscard]] fs::path files() const { return path_ / "files"; }
 
-  /// Whether an error is about this folder, and so about all jobs' results.
+  /// Returns whether an error concerns this folder, and thus the results of all jobs.
   [[nodiscard]] bool is_cause_of(const Error& error) const {
     return error.code() == ErrorCode::file_access &&
            std::string_view(error.what()).find(platform::utf8(path_)) != std::string_view::npos;
   }
 
-  /// Makes the files the result. Throws `Error`.
+  /// Turns the files into the result. Throws `Error`.
   void publish(const JobResult& result) const {
     try {
       write_result(files(), result);
@@ -122,15 +122,15 @@ class Workplace {
   std::optional<platform::FolderLock> lock_;
 };
 
-/// A shard at work. Tasks are given out in their order, as long as there are threads and memory for them. Most run on
-/// one thread, side by side, which wastes none. One that is more than its share of all that is left, or beside which no
-/// others have room, gets more, so that no thread is idle at the end.
+/// Runs a shard. Starts tasks in their order while there are threads and memory for them. Most run on one thread each,
+/// which wastes none. A task that is more than its fraction of the remaining work, or that leaves no memory for others,
+/// gets more threads, so that none is idle at the end.
 class ShardRun {
  public:
   ShardRun(const BatchPlan& plan, const BatchRun& run, stop_token stop)
       : plan_(plan), run_(run), tasks_(tasks_of(plan, run)), stop_(std::move(stop)) {}
 
-  /// Throws what stopped it.
+  /// Throws the error that stopped it.
   BatchOutcome run() {
     const WithoutStages quiet;
     {
@@ -138,7 +138,7 @@ class ShardRun {
       std::vector<std::thread> workers;
       try {
         for (int i = 1; i < run_.threads; ++i) workers.emplace_back([this] { work(); });
-      } catch (const std::system_error&) {  // there are fewer, then
+      } catch (const std::system_error&) {  // run with fewer threads
       }
       work();
       for (std::thread& worker : workers) worker.join();
@@ -167,17 +167,17 @@ class ShardRun {
   }
 
   [[nodiscard]] int threads_wanted(const BatchJob& job) const {
-    // Its share of what is left to do, itself included.
+    // The job's fraction of the remaining work, itself included.
     const double share = seconds_left_ > 0.0 ? job.seconds / seconds_left_ : 1.0;
     const auto by_share = static_cast<int>(std::lround(share * run_.threads));
-    // Of jobs like this so many fit side by side.
-    const std::uint64_t beside = std::max<std::uint64_t>(1, run_.memory / std::max<std::uint64_t>(1, job.memory));
-    const auto by_memory = run_.threads / static_cast<int>(std::min<std::uint64_t>(beside, 1'000'000));
+    // The number of such jobs that fit in memory together.
+    const std::uint64_t fitting = std::max<std::uint64_t>(1, run_.memory / std::max<std::uint64_t>(1, job.memory));
+    const auto by_memory = run_.threads / static_cast<int>(std::min<std::uint64_t>(fitting, 1'000'000));
     return std::clamp(std::max(by_share, by_memory), 1, run_.threads);
   }
 
-  /// Waits until there are threads and memory for the next task. One that is alone may take more memory than there
-  /// should be: its bake refuses that. Nothing when all are given out, or after a stop.
+  /// Waits until there are threads and memory for the next task. A task that runs alone may exceed the memory limit:
+  /// its bake refuses that. Returns nothing when all tasks are started, or after a stop.
   std::optional<Turn> next() {
     std::unique_lock lock(mutex_);
     const auto over = [this] { return failure_ || stop_.stop_requested() || next_ == tasks_.size(); };
@@ -186,7 +186,7 @@ class ShardRun {
       return running_ == 0 ||
              (threads_busy_ < run_.threads && memory_busy_ <= run_.memory && memory <= run_.memory - memory_busy_);
     };
-    // A signal may come between the look at it and the wait.
+    // A signal may come between the check and the wait.
     while (!over() && !fits()) changed_.wait_for(lock, std::chrono::milliseconds(100));
     if (over()) return std::nullopt;
     const Task& task = tasks_[next_++];
@@ -210,8 +210,8 @@ class ShardRun {
     changed_.notify_all();
   }
 
-  /// Of one thread, until there is nothing left. What is wrong with a job is in its result; what is wrong with the
-  /// folder of results ends the run.
+  /// Runs tasks on one thread until none is left. An error of a job goes into its result; an error of the folder of
+  /// results ends the run.
   void work() {
     while (const std::optional<Turn> turn = next()) {
       std::exception_ptr failure;
@@ -248,14 +248,14 @@ class ShardRun {
       }
       workplace.enter(stop_);
       if (turn.task.verifies) return verify(turn, folder, options);
-      if (is_there()) return note(turn, JobState::present, "");  // by the process that was at it
+      if (is_there()) return note(turn, JobState::present, "");  // from the process that had the lock
       options.common.cache = run_.cache;
       result.files = bake(options, result.key);
       result.state = JobState::computed;
     } catch (const ResultsError&) {
       throw;
     } catch (const Error& error) {
-      if (stop_.stop_requested() || turn.task.verifies) return;  // its own shard tells what is wrong with it
+      if (stop_.stop_requested() || turn.task.verifies) return;  // its own shard reports the error
       if (workplace.is_cause_of(error)) throw ResultsError(error.what());
       result.error_code = name(error.code());
       result.error = error.what();
@@ -271,12 +271,12 @@ class ShardRun {
 
   [[nodiscard]] ResultFiles bake(const BakeCommandOptions& options, const ContentHash& key) const {
     static_cast<void>(bake_to_folder(options, {stop_, {}}));
-    // What was hashed before must be what was baked.
+    // The inputs must still have the hash from before the bake.
     if (bake_key(options) == key) return hash_files_in(platform::path_of(options.directory));
     throw Error(ErrorCode::file_access, *options.input + ": changed while it was baked; run again");
   }
 
-  /// The bytes that are there count, and not what is said of them.
+  /// Compares the files' bytes, not only the list of their hashes.
   void verify(const Turn& turn, const fs::path& folder, const BakeCommandOptions& options) {
     std::optional<JobResult> result = read_result(folder);
     if (!result || result->files.empty()) return;  // there is nothing to verify
@@ -320,14 +320,14 @@ class ShardRun {
   const Clock::time_point start_ = Clock::now();
   const bool shows_progress_ = is_terminal(Stream::error) && verbosity() != Verbosity::quiet;
 
-  std::mutex mutex_;  // of all that follows
+  std::mutex mutex_;  // guards all members below
   std::condition_variable changed_;
   std::size_t next_ = 0;
   std::size_t done_ = 0;
   int running_ = 0;
   int threads_busy_ = 0;
   std::uint64_t memory_busy_ = 0;
-  double seconds_left_ = all_seconds_;  ///< of tasks that are not given out
+  double seconds_left_ = all_seconds_;  ///< of tasks that are not started
   double seconds_done_ = 0.0;
   Clock::time_point next_drawing_ = start_ + std::chrono::milliseconds(100);
   bool drawn_ = false;

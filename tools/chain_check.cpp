@@ -30,12 +30,12 @@ namespace {
 
 constexpr double kTruthError = 1e-4;
 constexpr double kFitError = 1e-3;
-/// Mips that are nearer to the truth of their stated roughness are not fitted.
+/// Mips that are nearer to the reference of their stated roughness are not fitted.
 constexpr double kExact = 1e-3;
-/// Relative differences of means that are told.
+/// Smaller relative differences of means are not reported.
 constexpr double kScaleTold = 0.02;
 
-/// Makes truths of one mip: GGX or Lambert lobes, by Welkin's own prefilter.
+/// Makes references of one mip: GGX or Lambert lobes, by Welkin's own prefilter.
 class Truths {
  public:
   Truths(const EnvironmentView& source, const PixelPolicy& pixels, const Control& control)
@@ -53,7 +53,7 @@ class Truths {
   }
 
  private:
-  /// Narrow lobes of a few lamps miss the tightest bounds.
+  /// Loosens bounds that are too tight for narrow lobes of a few lamps.
   [[nodiscard]] Cubemap within(PrefilterOptions options) const {
     constexpr double kLoosest = 1e-2;
     for (;; options.rms_error *= 10.0) {
@@ -70,7 +70,7 @@ class Truths {
   Control control_;
 };
 
-/// Sums over a mip and a truth in the mip's placement, weighted by solid angle.
+/// Sums over a mip and its reference in the mip's placement, weighted by solid angle.
 struct Sums {
   glm::dvec3 image{};
   glm::dvec3 truth{};
@@ -94,7 +94,7 @@ glm::dvec3 rgb_at(const Cubemap& image, int face, int column, int row) {
   return {rgb[0], rgb[1], rgb[2]};
 }
 
-/// Calls `use(image, truth, weight, place)` for each texel of a mip, with what the truth has there.
+/// Calls `use(image, truth, weight, texel)` for each texel of a mip, with the reference's value there.
 template <class Use>
 void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement, const Use& use) {
   const int size = image.size();
@@ -112,12 +112,12 @@ void for_each_texel(const Cubemap& image, const Cubemap& truth, const ChainPlace
   }
 }
 
-/// Of the image against scale times the truth.
+/// Compares the image with the scaled reference.
 Sums sums_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
              const glm::dvec3& scale = glm::dvec3(1.0)) {
   Sums sums;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const CubeTexel& /*place*/) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double weight, const CubeTexel& /*texel*/) {
                    const glm::dvec3 scaled = scale * expected;
                    const glm::dvec3 difference = value - scaled;
                    sums.image += weight * value;
@@ -135,19 +135,19 @@ MipErrors errors_of(const Cubemap& image, const Cubemap& truth, const ChainPlace
   const double floor =
       std::max(0.01 * std::sqrt(sums.squared_truth / (12.0 * std::numbers::pi)), std::numeric_limits<double>::min());
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
                    for (int channel = 0; channel < 3; ++channel) {
                      const double error =
                          std::abs(value[channel] - expected[channel]) / std::max(expected[channel], floor);
                      if (error <= errors.largest) continue;
                      errors.largest = error;
-                     errors.place = place;
+                     errors.place = texel;
                    }
                  });
   return errors;
 }
 
-/// The roughness whose truth differs least from a mip of any scale, and that difference.
+/// The roughness whose reference is nearest to a mip at any scale, that scale, and their difference.
 struct Fit {
   double roughness = 0.0;
   glm::dvec3 scale{1.0};
@@ -160,12 +160,12 @@ class RoughnessFit {
   RoughnessFit(const Cubemap& image, const ChainPlacement& placement, const Truths& truths)
       : image_(image), placement_(placement), truths_(truths) {}
 
-  /// Looks at a few roughnesses from `least` on, then between the neighbours of the best by golden sections.
-  Fit search(double least) {
+  /// Tries several roughnesses from `minimum` up, then searches around the best by golden sections.
+  Fit search(double minimum) {
     fit_ = {};
-    std::vector<double> tried = {least};
+    std::vector<double> tried = {minimum};
     for (const double step : {0.0, 0.04, 0.08, 0.12, 0.17, 0.23, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0}) {
-      if (step > least) tried.push_back(step);
+      if (step > minimum) tried.push_back(step);
     }
     std::size_t best = 0;
     for (std::size_t i = 0; i < tried.size(); ++i) {
@@ -188,7 +188,7 @@ class RoughnessFit {
     return fit_;
   }
 
-  /// Whether that roughness is better than all before.
+  /// Returns whether that roughness is better than all before.
   bool consider(double roughness, LobeFamily lobe = LobeFamily::ggx) {
     const Cubemap truth = truths_.at(image_.size(), roughness, kFitError, lobe);
     const glm::dvec3 scale = sums_of(image_, truth, placement_).scale();
@@ -200,7 +200,7 @@ class RoughnessFit {
   }
 
   [[nodiscard]] const Fit& best() const noexcept { return fit_; }
-  /// Whether roughness made a difference: in even light it makes none.
+  /// Returns whether roughness made a difference: in uniform light it makes none.
   [[nodiscard]] bool is_telling() const noexcept { return worst_ > kExact && worst_ > 1.5 * fit_.rest; }
 
  private:
@@ -211,7 +211,7 @@ class RoughnessFit {
   double worst_ = 0.0;
 };
 
-/// Counts NaN and infinities, and puts 0 in their place.
+/// Counts NaN and infinities, and replaces them with 0.
 std::uint64_t replace_odd_values(Cubemap& image) {
   std::uint64_t odd = 0;
   for (float& value : image.pixels()) {
@@ -227,13 +227,13 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Pairs of faces along whose common edge the relative rest is three times that of texels a few rows inside, and 1 %.
+/// Returns pairs of faces at whose edge the relative rest is three times that of texels a few rows inside, and 1 %.
 std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
                                   const glm::dvec3& scale) {
   const int size = image.size();
   if (size < 8) return {};
   struct Edge {
-    std::vector<double> outermost;  ///< relative squares, by texel
+    std::vector<double> outermost;  ///< relative squares by texel
     std::vector<double> inside;
   };
   std::array<std::array<Edge, 6>, 6> edges;  // by the texels' face and the one beyond
@@ -241,24 +241,24 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   const double floor = 1e-4 * sums.squared_truth / (4.0 * std::numbers::pi) + std::numeric_limits<double>::min();
   const int ring = size < 16 ? 2 : 3;
   for_each_texel(image, truth, placement,
-                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
+                 [&](const glm::dvec3& value, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
                    const glm::dvec3 difference = value / scale - expected;
                    const double rest = glm::dot(difference, difference) / (glm::dot(expected, expected) + floor);
                    const auto add = [&](int distance, int column, int row) {
                      if (distance != 0 && distance != ring) return;
-                     const CubeTexel beyond = image::across_edge(size, {place.face, column, row});
-                     Edge& edge = edges[static_cast<std::size_t>(place.face)][static_cast<std::size_t>(beyond.face)];
+                     const CubeTexel beyond = image::across_edge(size, {texel.face, column, row});
+                     Edge& edge = edges[static_cast<std::size_t>(texel.face)][static_cast<std::size_t>(beyond.face)];
                      (distance == 0 ? edge.outermost : edge.inside).push_back(rest);
                    };
-                   add(place.column, -1, place.row);
-                   add(size - 1 - place.column, size, place.row);
-                   add(place.row, place.column, -1);
-                   add(size - 1 - place.row, place.column, size);
+                   add(texel.column, -1, texel.row);
+                   add(size - 1 - texel.column, size, texel.row);
+                   add(texel.row, texel.column, -1);
+                   add(size - 1 - texel.row, texel.column, size);
                  });
   const auto is_seam = [&](int face, int beyond) {
     const Edge& edge = edges[static_cast<std::size_t>(face)][static_cast<std::size_t>(beyond)];
     if (edge.outermost.empty()) return false;  // opposite faces
-    // Medians, so that a lamp is no seam and hides none.
+    // The median keeps a lamp from looking like a seam or hiding one.
     const double rest = median(edge.outermost);
     return rest > 9.0 * median(edge.inside) && rest > 1e-4;
   };
@@ -273,13 +273,13 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   return seams;
 }
 
-/// The root mean square distance of the fitted roughness of the mips after the first to a table's; without any the
-/// largest number.
+/// Returns the root mean square distance between a table and the fitted roughness of the mips after the first; the
+/// largest number if no mip was fitted.
 double distance_to(const std::vector<double>& table, const std::vector<MipCheck>& mips) {
   double squares = 0.0;
   int fitted = 0;
   for (std::size_t mip = 1; mip < mips.size(); ++mip) {
-    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels tells little of its lobe
+    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels says little about its lobe
     const double distance = *mips[mip].fitted - table[mip];
     squares += distance * distance;
     ++fitted;
@@ -287,22 +287,22 @@ double distance_to(const std::vector<double>& table, const std::vector<MipCheck>
   return fitted > 0 ? std::sqrt(squares / fitted) : std::numeric_limits<double>::max();
 }
 
-/// The schedule that is nearest to the fitted roughness of the mips after the first. Or the one that is stated, if its
-/// lobes for lookups between mips are much nearer than its own.
+/// Finds the schedule that is nearest to the fitted roughness of the mips after the first, or the stated schedule if
+/// its lobes for lookups between mips are much nearer.
 void find_schedule(ChainCheck& check, const std::vector<double>& stated) {
   const int mips = static_cast<int>(check.mips.size());
   const int size = check.mips.front().size;
   if (mips < 3 || mips > 16) return;
-  double least = std::numeric_limits<double>::max();
+  double minimum = std::numeric_limits<double>::max();
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
     const double distance = distance_to(mip_roughness(schedule, mips, size), check.mips);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= minimum) continue;
+    minimum = distance;
     check.schedule = schedule;
     check.schedule_distance = distance;
   }
   constexpr double kNear = 0.05;
-  if (least > kNear) check.schedule.reset();
+  if (minimum > kNear) check.schedule.reset();
   const auto is_same = [](double a, double b) { return std::abs(a - b) < 1e-3; };
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
     if (!std::ranges::equal(stated, mip_roughness(schedule, mips, size), is_same)) continue;
@@ -333,8 +333,8 @@ void add_scale_findings(ChainCheck& check) {
   }
   std::vector<std::size_t> others;
   for (std::size_t mip = 0; mip < check.mips.size(); ++mip) {
-    const glm::dvec3& own = check.mips[mip].scale;
-    if (check.mips[mip].size >= 4 && std::abs((own.x + own.y + own.z) / (scale.x + scale.y + scale.z) - 1.0) > 0.05) {
+    const glm::dvec3& rgb = check.mips[mip].scale;
+    if (check.mips[mip].size >= 4 && std::abs((rgb.x + rgb.y + rgb.z) / (scale.x + scale.y + scale.z) - 1.0) > 0.05) {
       others.push_back(mip);
     }
   }
@@ -395,15 +395,15 @@ void add_findings(ChainCheck& check, bool is_stated) {
   add_seam_findings(check);
 }
 
-/// The largest value of a mip, if cutting the truth there halves what remains of one or the other scale: where values
-/// are clipped, means fall too.
+/// Returns the largest value of a mip if clipping the reference there halves the rest at its scale or at 1 (clipped
+/// values lower the means too); nothing otherwise.
 std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, const ChainPlacement& placement,
-                                 const glm::dvec3& own_scale) {
+                                 const glm::dvec3& mip_scale) {
   constexpr double kTold = 0.01;
   if (image.size() < 4) return std::nullopt;
   const std::span<const float> values = image.pixels();
   const double largest = *std::max_element(values.begin(), values.end());
-  for (const glm::dvec3& scale : {own_scale, glm::dvec3(1.0)}) {
+  for (const glm::dvec3& scale : {mip_scale, glm::dvec3(1.0)}) {
     Cubemap cut = truth;
     for (std::size_t i = 0; i < cut.pixels().size(); ++i) {
       const auto limit = static_cast<float>(largest / scale[static_cast<int>(i % 3)]);
@@ -415,18 +415,18 @@ std::optional<double> clipped_at(const Cubemap& image, const Cubemap& truth, con
   return std::nullopt;
 }
 
-/// The parts of a mip's check that need no roughness: what fits it best.
-void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double least,
+/// Fits a mip without regard to the schedule.
+void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truths& truths, double minimum,
              bool is_only_one) {
-  // Many truths of a large mip would take minutes.
+  // Many references of a large mip would take minutes.
   constexpr int kLargestFitted = 256;
   const Cubemap fitted = image.size() > kLargestFitted ? to_cubemap(image.view(), kLargestFitted) : image;
   RoughnessFit fit(fitted, check.placement, truths);
-  // A mip that is what it says needs no search.
+  // A mip that matches its stated roughness needs no search.
   if (mip.roughness >= 0.0 && fit.consider(mip.roughness) && fit.best().rest < kExact) {
     mip.fitted = mip.roughness;
   } else {
-    fit.search(least);
+    fit.search(minimum);
     if (fit.is_telling()) mip.fitted = fit.best().roughness;
     if (is_only_one && fit.consider(1.0, LobeFamily::lambert)) {
       check.lobe = LobeFamily::lambert;
@@ -439,7 +439,7 @@ void fit_mip(MipCheck& mip, const Cubemap& image, ChainCheck& check, const Truth
   mip.rest = fit.best().rest;
 }
 
-/// The placement by the truth that looks most like the first mip, which may be a mirror, rough, or irradiance.
+/// Returns the placement by the reference most similar to the first mip, which may be a mirror, rough, or irradiance.
 ChainPlacement find_placement(const Cubemap& image, const Truths& truths) {
   const int size = std::min(image.size(), 32);
   const Cubemap small = to_cubemap(image.view(), size);
@@ -481,8 +481,8 @@ Cubemap truth_of(const ChainCheck& check, const MipCheck& mip, const Environment
   Cubemap placed(mip.size);
   for_each_texel(
       truth, truth, check.placement,
-      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const CubeTexel& place) {
-        float* rgb = placed.face(place.face) + 3 * (static_cast<std::ptrdiff_t>(place.row) * mip.size + place.column);
+      [&](const glm::dvec3& /*value*/, const glm::dvec3& expected, double /*weight*/, const CubeTexel& texel) {
+        float* rgb = placed.face(texel.face) + 3 * (static_cast<std::ptrdiff_t>(texel.row) * mip.size + texel.column);
         for (int channel = 0; channel < 3; ++channel) rgb[channel] = static_cast<float>(expected[channel]);
       });
   return placed;
@@ -510,11 +510,11 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
   }
   check.placement = find_placement(images.front(), truths);
 
-  double least = 0.0;  // roughness grows from mip to mip
+  double minimum = 0.0;  // roughness grows from mip to mip
   for (std::size_t mip = 0; mip < images.size(); ++mip) {
     report(mip, 0.0);
-    fit_mip(check.mips[mip], images[mip], check, truths, least, images.size() == 1);
-    least = std::max(0.0, check.mips[mip].fitted.value_or(0.0) - 0.05);
+    fit_mip(check.mips[mip], images[mip], check, truths, minimum, images.size() == 1);
+    minimum = std::max(0.0, check.mips[mip].fitted.value_or(0.0) - 0.05);
   }
   find_schedule(check, stated);
   const std::vector<double> table =
@@ -526,7 +526,7 @@ ChainCheck check_chain(const ChainMips& chain, const EnvironmentView& source, co
     if (!check.fits_lookups) each.lobe_roughness = each.roughness;
     const Cubemap truth = truths.at(each.size, each.lobe_roughness, kTruthError, check.lobe, check.unit);
     each.errors = errors_of(images[mip], truth, check.placement);
-    each.rest = std::min(each.rest, each.errors.rms);  // whose truth is more exact than those of the search
+    each.rest = std::min(each.rest, each.errors.rms);  // its reference is more exact than those of the search
     const Cubemap nearest = each.fitted ? truths.at(each.size, *each.fitted, kFitError) : Cubemap();
     const Cubemap& compared = each.fitted ? nearest : truth;
     each.clipped_at = clipped_at(images[mip], truth, check.placement, each.scale);

@@ -1,4 +1,4 @@
-// How a chain's faces and channels lie, found by comparing small images.
+// Finds the placement of a chain's faces and channels by comparing small images.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,46 +19,47 @@
 
 namespace welkin::tool {
 
-CubeTexel shown_by(const FaceMapping& place, int size, int column, int row) {
-  if (place.transposed) std::swap(column, row);
-  return {place.face, place.columns_mirrored ? size - 1 - column : column, place.rows_mirrored ? size - 1 - row : row};
+CubeTexel shown_by(const FaceMapping& mapping, int size, int column, int row) {
+  if (mapping.transposed) std::swap(column, row);
+  return {mapping.face, mapping.columns_mirrored ? size - 1 - column : column,
+          mapping.rows_mirrored ? size - 1 - row : row};
 }
 
 namespace {
 
-constexpr int kSymmetries = 8;            // of a square
-constexpr int kPlaces = 6 * kSymmetries;  // of one face
+constexpr int kSymmetries = 8;              // of a square
+constexpr int kMappings = 6 * kSymmetries;  // of one face
 constexpr double kNearlyAsGood = 1.2;
 
-FaceMapping face_place(int index) {
+FaceMapping mapping_at(int index) {
   return {index / kSymmetries, (index & 1) != 0, (index & 2) != 0, (index & 4) != 0};
 }
 
-std::size_t index_of(const FaceMapping& place) {
-  return static_cast<std::size_t>(kSymmetries * place.face + (place.columns_mirrored ? 1 : 0) +
-                                  (place.rows_mirrored ? 2 : 0) + (place.transposed ? 4 : 0));
+std::size_t index_of(const FaceMapping& mapping) {
+  return static_cast<std::size_t>(kSymmetries * mapping.face + (mapping.columns_mirrored ? 1 : 0) +
+                                  (mapping.rows_mirrored ? 2 : 0) + (mapping.transposed ? 4 : 0));
 }
 
-/// The places of all faces if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
+/// Returns all faces' placements if direction d shows matrix * d. The matrix is one of a cube's 48 symmetries.
 std::array<FaceMapping, 6> faces_of(const glm::dmat3& matrix) {
   constexpr int kSize = 2;
-  std::array<FaceMapping, 6> places{};
+  std::array<FaceMapping, 6> faces{};
   for (int face = 0; face < 6; ++face) {
     const auto shown = [&](int column, int row) {
       const glm::dvec3 point(image::point_of(kSize, {face, column, row}));
       return image::texel_at(kSize, glm::ivec3(glm::round(matrix * point)));
     };
-    // The first texel's neighbours lie on its right and below it, unless the face is mirrored or transposed.
+    // The first texel's neighbours are to its right and below it, unless the face is mirrored or transposed.
     const CubeTexel first = shown(0, 0);
     const CubeTexel right = shown(1, 0);
     const CubeTexel below = shown(0, 1);
-    places[static_cast<std::size_t>(face)] = {first.face, right.column + below.column < 2 * first.column,
-                                              right.row + below.row < 2 * first.row, right.column == first.column};
+    faces[static_cast<std::size_t>(face)] = {first.face, right.column + below.column < 2 * first.column,
+                                             right.row + below.row < 2 * first.row, right.column == first.column};
   }
-  return places;
+  return faces;
 }
 
-/// All 48: permutations of the axes with signs, the identity first.
+/// Returns all 48 symmetries: permutations of the axes with signs, the identity first.
 std::vector<glm::dmat3> cube_symmetries() {
   std::vector<glm::dmat3> symmetries;
   std::array<int, 3> axes = {0, 1, 2};
@@ -74,8 +75,8 @@ std::vector<glm::dmat3> cube_symmetries() {
   return symmetries;
 }
 
-/// Channels compressed to x / (x + median): differences of a lamp and of a wall count alike, and a clipped sun does not
-/// change the rest.
+/// Returns channels compressed to x / (x + median): differences of a lamp and of a wall count equally, and a clipped
+/// sun does not change the rest.
 std::vector<glm::dvec3> compressed(const Cubemap& image) {
   const std::span<const float> values = image.pixels();
   std::vector<float> sorted(values.begin(), values.end());
@@ -92,42 +93,42 @@ std::vector<glm::dvec3> compressed(const Cubemap& image) {
   return texels;
 }
 
-/// Squares of differences between each face of the image and each face of the truth in each place.
+/// Squared differences between each face of the image and each face of the reference in each placement.
 class Differences {
  public:
   Differences(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size) {
     for (int face = 0; face < 6; ++face) {
-      for (int place = 0; place < kPlaces; ++place) {
-        squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(place)] =
-            compare(image, truth, size, face, face_place(place));
+      for (int index = 0; index < kMappings; ++index) {
+        squares_[static_cast<std::size_t>(face)][static_cast<std::size_t>(index)] =
+            compare(image, truth, size, face, mapping_at(index));
       }
     }
   }
 
-  [[nodiscard]] double of(const std::array<FaceMapping, 6>& places) const {
+  [[nodiscard]] double of(const std::array<FaceMapping, 6>& faces) const {
     double sum = 0.0;
-    for (std::size_t face = 0; face < 6; ++face) sum += squares_[face][index_of(places[face])];
+    for (std::size_t face = 0; face < 6; ++face) sum += squares_[face][index_of(faces[face])];
     return sum;
   }
 
-  /// The best place of each face for itself.
+  /// Returns the best placement of each face by itself.
   [[nodiscard]] std::array<FaceMapping, 6> each() const {
-    std::array<FaceMapping, 6> places{};
+    std::array<FaceMapping, 6> faces{};
     for (std::size_t face = 0; face < 6; ++face) {
-      const auto* const least = std::ranges::min_element(squares_[face]);
-      places[face] = face_place(static_cast<int>(least - squares_[face].begin()));
+      const auto* const minimum = std::ranges::min_element(squares_[face]);
+      faces[face] = mapping_at(static_cast<int>(minimum - squares_[face].begin()));
     }
-    return places;
+    return faces;
   }
 
  private:
-  // By the sum of channels, whatever their order.
+  // Compares the sums of channels, which do not depend on their order.
   static double compare(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size, int face,
-                        const FaceMapping& place) {
+                        const FaceMapping& mapping) {
     double sum = 0.0;
     for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
-        const CubeTexel shown = shown_by(place, size, column, row);
+        const CubeTexel shown = shown_by(mapping, size, column, row);
         const auto index = [&](int of_face, int i, int j) {
           return static_cast<std::size_t>((of_face * size + j) * size + i);
         };
@@ -140,10 +141,10 @@ class Differences {
     return sum;
   }
 
-  std::array<std::array<double, kPlaces>, 6> squares_{};
+  std::array<std::array<double, kMappings>, 6> squares_{};
 };
 
-/// The order of channels in which the image shows the truth best; the truth's unless another halves the difference.
+/// Returns the channel order nearest to the reference; the unchanged order unless another halves the difference.
 std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::vector<glm::dvec3>& truth, int size,
                                const std::array<FaceMapping, 6>& faces) {
   const auto differences = [&](const std::array<int, 3>& channels) {
@@ -162,11 +163,11 @@ std::array<int, 3> channels_of(const std::vector<glm::dvec3>& image, const std::
   };
   const std::array<int, 3> same = {0, 1, 2};
   std::array<int, 3> best = same;
-  double least = differences(same) / 2.0;
+  double minimum = differences(same) / 2.0;
   std::array<int, 3> order = same;
   while (std::next_permutation(order.begin(), order.end())) {
-    if (const double sum = differences(order); sum < least) {
-      least = sum;
+    if (const double sum = differences(order); sum < minimum) {
+      minimum = sum;
       best = order;
     }
   }
@@ -180,12 +181,12 @@ std::string axis_words(const glm::dvec3& axis) {
   return "?";
 }
 
-std::string place_words(const FaceMapping& place) {
-  std::string text = face_name(place.face);
-  if (place.transposed) text += " transposed";
-  if (place.columns_mirrored && place.rows_mirrored) return text + " rotated by 180 degrees";
-  if (place.columns_mirrored) text += " with columns mirrored";
-  if (place.rows_mirrored) text += " with rows mirrored";
+std::string mapping_words(const FaceMapping& mapping) {
+  std::string text = face_name(mapping.face);
+  if (mapping.transposed) text += " transposed";
+  if (mapping.columns_mirrored && mapping.rows_mirrored) return text + " rotated by 180 degrees";
+  if (mapping.columns_mirrored) text += " with columns mirrored";
+  if (mapping.rows_mirrored) text += " with rows mirrored";
   return text;
 }
 
@@ -197,7 +198,7 @@ std::string matrix_words(const glm::dmat3& matrix) {
     if (matrix == mirror) return std::string("mirrored in ") + "xyz"[axis];
   }
   for (const int degrees : {90, 180, 270}) {
-    // Direction d shows `matrix` d, so the surroundings are turned the other way.
+    // Direction d shows `matrix` d, so the surroundings rotate the other way.
     const glm::dmat3 rotation = rotation_about_y(-degrees);
     if (matrix == glm::dmat3(glm::round(rotation[0]), glm::round(rotation[1]), glm::round(rotation[2]))) {
       return "rotated by " + std::to_string(degrees) + " degrees about y";
@@ -207,7 +208,7 @@ std::string matrix_words(const glm::dmat3& matrix) {
          axis_words(matrix[2]);
 }
 
-/// " (the faces of Babylon.js)" if an engine stores them so.
+/// Returns ", as Babylon.js has them" if engines store faces so.
 std::string engine_words(const glm::dmat3& matrix) {
   std::vector<std::string> engines;
   for (const Convention& each : conventions()) {
@@ -233,18 +234,18 @@ PlacementFit placement_of(const Cubemap& image, const Cubemap& truth) {
   const auto is_as_good_as = [&](double squares, double best) { return squares <= kNearlyAsGood * best + rounding; };
 
   ChainPlacement placement{each, std::nullopt};
-  double least = std::numeric_limits<double>::max();
+  double minimum = std::numeric_limits<double>::max();
   const std::vector<glm::dmat3> symmetries = cube_symmetries();
   const double as_it_is = differences.of(faces_of(symmetries.front()));
   for (const glm::dmat3& matrix : symmetries) {
     const std::array<FaceMapping, 6> faces = faces_of(matrix);
     const double squares = differences.of(faces);
-    if (squares >= least || !is_as_good_as(squares, differences.of(each))) continue;
-    least = squares;
+    if (squares >= minimum || !is_as_good_as(squares, differences.of(each))) continue;
+    minimum = squares;
     placement.faces = faces;
     placement.matrix = matrix;
   }
-  if (is_as_good_as(as_it_is, std::min(least, differences.of(each)))) {
+  if (is_as_good_as(as_it_is, std::min(minimum, differences.of(each)))) {
     placement.faces = faces_of(symmetries.front());
     placement.matrix = symmetries.front();
   }
@@ -257,8 +258,8 @@ std::string words_of(const ChainPlacement& placement) {
   if (!placement.matrix) {
     std::vector<std::string> faces;
     for (int face = 0; face < 6; ++face) {
-      const FaceMapping& place = placement.faces[static_cast<std::size_t>(face)];
-      if (place != FaceMapping{face}) faces.push_back(std::string(face_name(face)) + " shows " + place_words(place));
+      const FaceMapping& shown = placement.faces[static_cast<std::size_t>(face)];
+      if (shown != FaceMapping{face}) faces.push_back(std::string(face_name(face)) + " shows " + mapping_words(shown));
     }
     words.push_back("faces do not fit together: " + joined(faces));
   } else if (*placement.matrix != glm::dmat3(1.0)) {

@@ -1,4 +1,4 @@
-// `welkin check`: the true error of anyone's chain against its source, and what is wrong with it.
+// `welkin check`: measures the error of any chain against its source, and reports what is wrong with it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +46,7 @@ struct CheckOptions {
 
 /// A chain as it was read.
 struct ChainFile {
-  std::string words;  ///< what it is, for a person
+  std::string words;  ///< description for a person
   ChainMips mips;
   std::vector<double> roughness;  ///< as stated in the file, or empty
   std::optional<HarmonicsFile> polynomial;
@@ -59,8 +59,8 @@ Cubemap cubemap_of(const Environment& level, const std::string& named) {
   return {level.face_size(), values_of(level)};
 }
 
-/// Six files a mip, as cmgen writes them: m0_px.hdr, ..., m1_px.hdr, ... The first of each; empty if the folder has
-/// none.
+/// Returns the first of six files of each mip, as cmgen writes them: m0_px.hdr, ..., m1_px.hdr, ...; empty if the
+/// folder has none.
 std::vector<std::filesystem::path> files_of_mips(const std::filesystem::path& folder) {
   std::map<std::string, std::filesystem::path> by_stem;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
@@ -206,7 +206,7 @@ std::string check_table(const CheckOptions& options, const ChainFile& chain, con
   return text;
 }
 
-/// A row per mip: the chain, the truth, and their difference four times as bright.
+/// Draws a row per mip: the chain, the reference, and four times their difference.
 void draw(const CheckOptions& options, const ChainFile& chain, const ChainCheck& check, const EnvironmentView& source,
           const Control& control) {
   constexpr int kHeight = 128;
@@ -241,7 +241,7 @@ void draw(const CheckOptions& options, const ChainFile& chain, const ChainCheck&
   image.save(platform::path_of(options.image));
 }
 
-/// The text of a check, and the error that `--error` bounds.
+/// The text of a check, and the error that `--error` limits.
 struct Verdict {
   std::string text;
   double rms = 0.0;

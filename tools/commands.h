@@ -21,8 +21,8 @@ struct BakeCommandOptions;
 [[nodiscard]] Command importance_command();
 [[nodiscard]] Command batch_command();
 
-/// Bakes what the options name or compute into their folder; many may run side by side, in folders of their own.
-/// `settle_files` has been called. Returns the manifest or, for a person, a table. Throws `Error`.
+/// Bakes the input or sky of the options into their folder; concurrent bakes need folders of their own. `settle_files`
+/// has been called. Returns the manifest or, for a person, a table. Throws `Error`.
 [[nodiscard]] std::string bake_to_folder(const BakeCommandOptions& options, const Control& control);
 
 }  // namespace welkin::tool

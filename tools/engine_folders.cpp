@@ -21,7 +21,7 @@ namespace welkin::tool {
 
 namespace {
 
-/// Whether the lines also load .ktx2 files of other texel formats than the folder's.
+/// Whether the loader also takes .ktx2 files of other texel formats than the folder's.
 enum class Textures : std::uint8_t { fixed, any };
 
 struct EngineFolder {
@@ -32,7 +32,7 @@ struct EngineFolder {
 
 constexpr TexelFormat kHalves = TexelFormat::rgba16f;
 constexpr TexelFormat kBlocks = TexelFormat::bc6h_ufloat;
-constexpr TexelFormat kAnyBlocks = TexelFormat::uastc_hdr_4x4;  // ASTC or BC6H, as the GPU reads
+constexpr TexelFormat kAnyBlocks = TexelFormat::uastc_hdr_4x4;  // ASTC or BC6H, whichever the GPU reads
 constexpr TexelFormat kPacked = TexelFormat::b10g11r11;
 constexpr TexelFormat kShared = TexelFormat::e5b9g9r9;
 
@@ -104,8 +104,8 @@ bool takes_any_texture(Engine engine) noexcept { return folder_of(engine)->textu
 std::string readme_text(Engine engine, const std::vector<std::string>& written) {
   const Convention& axes = convention(engine);
   std::string text = kReadmeSigns[0] + std::string(axes.title) + kReadmeSigns[1] + '\n';
-  // Parts of tools/engines/NAME.md begin with the files that they are about, <!-- specular.dds -->; what has
-  // none is shown beside any other.
+  // Parts of tools/engines/NAME.md begin with their files, <!-- specular.dds -->; a part that names none is shown if
+  // any before it is.
   std::istringstream lines(embedded_text(std::string("engines/") + axes.name + ".md"));
   bool is_shown = false;
   bool any_shown = false;
@@ -203,7 +203,7 @@ std::string glb(const Json& document, std::string binary) {
 
 int octaves_of(int size) noexcept { return full_chain_levels(size) - 1; }
 
-/// Numbers of the rgbd, six a mip.
+/// Returns the indices of the RGBD images, six per mip.
 Json mips_json(std::size_t rgbd) {
   Json mips = Json::array();
   for (std::size_t first = 0; first < rgbd; first += 6) {
@@ -214,14 +214,14 @@ Json mips_json(std::size_t rgbd) {
   return mips;
 }
 
-/// An object with one member, which braces would make a list.
+/// Makes an object with one member, which braces would make a list.
 Json object_of(const char* name, const Json& content) {
   Json object = Json::object();
   object[name] = content;
   return object;
 }
 
-/// The extension's object at the root of the document.
+/// Makes the extension's object at the root of the document.
 Json lights_json(int size, std::size_t rgbd, const std::array<glm::dvec3, 9>& coefficients) {
   Json light = {{"name", "environment"},
                 {"intensity", 1.0},
@@ -232,8 +232,8 @@ Json lights_json(int size, std::size_t rgbd, const std::array<glm::dvec3, 9>& co
   return object_of("lights", Json::array({light}));
 }
 
-/// The `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x is
-/// glTF's -x, so indices 3, 4 and 7 have the other sign.
+/// Returns the `irradianceCoefficients` of `engine_light` for glTF, in the axes in which the loader evaluates them: x
+/// is glTF's -x, so indices 3, 4 and 7 change sign.
 std::array<glm::dvec3, 9> gltf_light_coefficients(const SphericalHarmonics& radiance) {
   std::array<glm::dvec3, 9> coefficients{};
   const EngineLight light = engine_light(radiance, Engine::gltf);
@@ -261,7 +261,7 @@ std::vector<double> gltf_light_roughness(int size, int mips) {
 }
 
 GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance, const Control& control) {
-  // The loader looks faces up, too, in Babylon.js's axes, whose x is glTF's -x.
+  // The loader also looks faces up in Babylon.js's axes, whose x is glTF's -x.
   const Cubemap faces = mirrored_x(rotate(specular, faces_of(Engine::gltf), control));
   const RgbdImages rgbd = rgbd_images(faces, control);
   std::string binary;
@@ -289,7 +289,7 @@ GltfLight gltf_light(const Cubemap& specular, const SphericalHarmonics& radiance
 
 namespace {
 
-// EnvLighting of PlayCanvas 2.23, for an atlas of 512 texels; all lengths grow with it.
+// EnvLighting of PlayCanvas 2.23, for an atlas of 512 texels; all lengths scale with it.
 constexpr int kUnit = 512;
 constexpr int kSharpLevels = 6;
 
@@ -300,11 +300,11 @@ struct Rectangle {
   int height = 0;
 };
 
-/// Stores a texel as RGBP: sqrt(radiance) = c (8 - 7 a), a as large as the largest channel lets it be.
+/// Stores a texel as RGBP: sqrt(radiance) = c (8 - 7 a), with the largest a that the largest channel permits.
 void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
-  const std::size_t place =
+  const std::size_t index =
       static_cast<std::size_t>(row) * static_cast<std::size_t>(atlas.size) + static_cast<std::size_t>(column);
-  std::uint8_t* const texel = atlas.rgba.data() + 4 * place;
+  std::uint8_t* const texel = atlas.rgba.data() + 4 * index;
   float root[3];
   float largest = 1.0F;
   for (int channel = 0; channel < 3; ++channel) {
@@ -322,14 +322,14 @@ void put(const float* radiance, int column, int row, PlayCanvasAtlas& atlas) {
   texel[3] = static_cast<std::uint8_t>(steps);
 }
 
-/// A lat-long inside a seam, in which it goes on: around, and over the poles.
-void place(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
-           const Control& control) {
+/// Draws a lat-long inside a seam that continues it: around, and over the poles.
+void draw(const CubemapView& source, ResampleFilter filter, const Rectangle& at, PlayCanvasAtlas& atlas,
+          const Control& control) {
   const int seam = atlas.size / kUnit;
   const int width = at.width - 2 * seam;
   const int height = at.height - 2 * seam;
-  // A result coarser than its source is averaged over its texels; between rough ones the shader interpolates, and so
-  // they are to hold what lies at their centres: those of a finer result.
+  // A result coarser than its source averages the source's texels. Rough mips are interpolated by the shader, so texels
+  // hold the values at their centres: those of a finer result.
   int finer = 1;
   while (filter == ResampleFilter::bilinear && finer * width < 4 * source.size) finer += 2;
   const LatLongImage image = to_lat_long(source, finer * width, finer * height, dmat3(1.0), filter, {control.stop, {}});
@@ -358,17 +358,17 @@ PlayCanvasAtlas playcanvas_atlas(const Cubemap& specular, const CubemapView& dif
   const int scale = atlas.size / kUnit;
   Rectangle sharp{0, 0, atlas.size, atlas.size / 2};
   for (int level = 0; level < kSharpLevels; ++level) {
-    place(specular.view(0), ResampleFilter::area, sharp, atlas, control);
+    draw(specular.view(0), ResampleFilter::area, sharp, atlas, control);
     sharp = {sharp.left + sharp.height, sharp.top + sharp.height, sharp.width / 2, sharp.height / 2};
   }
   Rectangle rough{0, atlas.size / 2, atlas.size / 2, atlas.size / 4};
-  for (int level = 1; level <= kAtlasMips; ++level) {  // of the last the shader takes nothing
+  for (int level = 1; level <= kAtlasMips; ++level) {  // the shader does not read the last
     const int mip = std::min({level, kAtlasMips - 1, specular.levels() - 1});
     const bool is_diffuse = ends_in_diffuse && level >= kAtlasMips - 1;
-    place(is_diffuse ? diffuse : specular.view(mip), ResampleFilter::bilinear, rough, atlas, control);
+    draw(is_diffuse ? diffuse : specular.view(mip), ResampleFilter::bilinear, rough, atlas, control);
     rough = {0, rough.top + rough.height, rough.width / 2, rough.height / 2};
   }
-  place(diffuse, ResampleFilter::bilinear, {128 * scale, 384 * scale, 64 * scale, 32 * scale}, atlas, control);
+  draw(diffuse, ResampleFilter::bilinear, {128 * scale, 384 * scale, 64 * scale, 32 * scale}, atlas, control);
   return atlas;
 }
 

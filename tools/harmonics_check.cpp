@@ -1,4 +1,4 @@
-// A file of spherical harmonics against the light that it was made from.
+// Checks a file of spherical harmonics against the light that it was made from.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -105,7 +105,7 @@ std::optional<HarmonicsFile> read_own(const std::filesystem::path& file) {
   }
 }
 
-/// Meanings of three bands, by their factors over radiance.
+/// A meaning of three bands, by their factors over radiance.
 struct Form {
   const char* words;
   std::array<double, kBands> factors;
@@ -115,7 +115,7 @@ std::vector<Form> forms() {
   const std::array<double, kBands> cosine = {cosine_lobe(0), cosine_lobe(1), cosine_lobe(2)};
   std::vector<Form> forms = {{"radiance", {1.0, 1.0, 1.0}}, {"irradiance", cosine}};
   Form divided{"irradiance / pi", {}};
-  // Babylon.js applies the cosine's factors once more, and its shader takes that back.
+  // Babylon.js applies the cosine's factors once more, and its shader reverses that.
   Form babylon{"Babylon.js's polynomial", {}};
   for (std::size_t band = 0; band < kBands; ++band) {
     divided.factors[band] = cosine[band] / std::numbers::pi;
@@ -126,7 +126,7 @@ std::vector<Form> forms() {
   return forms;
 }
 
-/// The factor of each band of `image` over `light`, by least squares.
+/// Returns the factor of each band of `image` over `light`, by least squares.
 std::array<double, kBands> factors_of(const SphericalHarmonics& image, const SphericalHarmonics& light) {
   std::array<double, kBands> factors{};
   for (int band = 0; band < kBands; ++band) {
@@ -141,7 +141,7 @@ std::array<double, kBands> factors_of(const SphericalHarmonics& image, const Sph
   return factors;
 }
 
-/// The light as the file's axes and channels have it.
+/// Returns the light in the file's axes and channels.
 SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement& placement) {
   const SphericalHarmonics rotated_light = placement.matrix ? rotate(light, glm::transpose(*placement.matrix)) : light;
   SphericalHarmonics result(rotated_light.bands());
@@ -154,7 +154,7 @@ SphericalHarmonics placed(const SphericalHarmonics& light, const ChainPlacement&
   return result;
 }
 
-/// The light as a form has it.
+/// Returns the light in a form.
 SphericalHarmonics formed(SphericalHarmonics light, const Form& form) {
   for (int band = 0; band < kBands; ++band) {
     for (int order = -band; order <= band; ++order) {
@@ -213,25 +213,25 @@ HarmonicsCheck check_harmonics(const HarmonicsFile& file, const EnvironmentView&
   options.pixels = pixels;
   const SphericalHarmonics light = project(source, options, {control.stop, {}}).radiance;
   HarmonicsCheck check;
-  // The form is not known yet: the placement is that of the form which is nearest in shape.
-  double least = std::numeric_limits<double>::max();
+  // The form is not known yet: use the placement of the form with the nearest shape.
+  double minimum = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
     const PlacementFit fit = placement_of(file.values, sampled(formed(light, form)));
-    if (fit.difference >= least || !fit.placement.matrix) continue;  // a polynomial has no faces to mix up
-    least = fit.difference;
+    if (fit.difference >= minimum || !fit.placement.matrix) continue;  // a polynomial has no faces to mix up
+    minimum = fit.difference;
     check.placement = fit.placement;
   }
   const SphericalHarmonics image = project(file.values.view()).radiance;
   const SphericalHarmonics expected = placed(light, check.placement);
   const std::array<double, kBands> factors = factors_of(image, expected);
-  least = std::numeric_limits<double>::max();
+  minimum = std::numeric_limits<double>::max();
   for (const Form& form : forms()) {
     double distance = std::abs(std::log(std::max(factors[0] / form.factors[0], 1e-9))) * 0.1;
     for (std::size_t band = 1; band < kBands; ++band) {
       distance += std::abs(factors[band] / factors[0] * form.factors[0] / form.factors[band] - 1.0);
     }
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= minimum) continue;
+    minimum = distance;
     check.form = form.words;
     check.rms = relative_difference(image, formed(expected, form));
     check.factors.assign(factors.begin(), factors.end());

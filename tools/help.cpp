@@ -48,7 +48,7 @@ std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
 
 namespace {
 
-/// Up to the first full stop, semicolon or colon.
+/// Returns the text up to the first full stop, semicolon or colon.
 std::string first_clause(const std::string& text) {
   std::size_t end = text.size();
   for (const char* mark : {". ", "; ", ": "}) end = std::min(end, text.find(mark));
@@ -70,8 +70,8 @@ std::string short_text(const std::string& text) {
   return clause;
 }
 
-/// The paragraph of the notes that begins with a heading, and at most so many lines of it; a line that is indented
-/// more than its first belongs to the one before.
+/// Returns at most `most` lines of the paragraph of the notes that begins with a heading; a line that is indented more
+/// than its first belongs to the one before.
 std::string paragraph(const std::string& notes, const std::string& heading, int most) {
   const std::size_t start = notes.find(heading);
   if (start == std::string::npos) return "";
@@ -82,7 +82,7 @@ std::string paragraph(const std::string& notes, const std::string& heading, int 
   return text;
 }
 
-/// Names an option as the tables do: with or without its hyphens, or a place on the command line.
+/// Returns whether the name is that of an option as tables name it: with or without its hyphens, or a positional one.
 bool is_named(const CLI::Option& option, const std::string& name) {
   return option.check_name(name) || option.get_name(true) == name;
 }
@@ -124,7 +124,7 @@ std::string with_headings(const std::string& text) {
   std::string styled_text;
   bool was_empty = false;
   for (std::string line; std::getline(lines, line);) {
-    if (line.empty() && was_empty) continue;  // CLI11 parts groups by two lines
+    if (line.empty() && was_empty) continue;  // CLI11 separates groups by two lines
     was_empty = line.empty();
     const std::size_t colon = line.find(':');
     const bool heading = !line.empty() && line.front() != ' ' && colon != std::string::npos;
@@ -137,7 +137,7 @@ std::string with_headings(const std::string& text) {
 
 namespace {
 
-/// Letters to be changed, added, left out or swapped with a neighbour (Damerau 1964, as optimal string alignment).
+/// Counts letters changed, added, left out or swapped with a neighbour (Damerau 1964, as optimal string alignment).
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> rows(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -167,11 +167,11 @@ std::vector<std::string> near_words(const std::string& word, const std::vector<s
   });
   if (!longer.empty()) return longer;
   std::vector<std::string> nearest;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  std::size_t minimum = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& each : words) {
     const std::size_t away = distance(typed, CLI::detail::to_lower(each));
-    if (away >= least) continue;
-    least = away;
+    if (away >= minimum) continue;
+    minimum = away;
     nearest = {each};
   }
   return nearest;
@@ -199,13 +199,13 @@ std::string did_you_mean(const std::vector<std::string>& near) {
   return near.empty() ? "" : text + '?';
 }
 
-// Completions for shells, and the manual page.
+// Shell completions, and the manual page.
 
 namespace {
 
-bool is_place(const Option& option) { return !option.names.starts_with('-'); }
+bool is_positional(const Option& option) { return !option.names.starts_with('-'); }
 
-/// What every command takes besides its table.
+/// Returns the options that every command takes in addition to its table.
 const Options& shared_options() {
   static bool none = false;
   static const Options options = {
@@ -232,7 +232,7 @@ std::string bash_command(const Command& command) {
   std::string text = "    " + command.name + ")\n";
   std::string values;
   for (const Option& option : all_options(command)) {
-    if (is_place(option)) {
+    if (is_positional(option)) {
       if (!option.words.empty()) options.insert(options.end(), option.words.begin(), option.words.end());
       continue;
     }
@@ -245,7 +245,7 @@ std::string bash_command(const Command& command) {
   return text + "      options=\"" + joined(options, " ") + "\" ;;\n";
 }
 
-/// In single quotes; a colon or a bracket would end a description.
+/// Returns the first clause for single quotes in zsh; a colon or a bracket would end a description.
 std::string zsh_text(const std::string& text) {
   std::string line = text.substr(0, text.find_first_of(".;"));
   for (const char c : {'[', ']', ':', '\\', '`', '$'}) std::ranges::replace(line, c, ' ');
@@ -259,7 +259,7 @@ std::string zsh_value(const Option& option) {
 }
 
 std::string zsh_option(const Option& option) {
-  if (is_place(option)) {
+  if (is_positional(option)) {
     const bool many = std::holds_alternative<std::vector<std::string>*>(option.target);
     return std::string(" \\\n            '") + (many ? "*:" : ":") + option.names + ":" +
            (option.words.empty() ? "_files" : "(" + joined(option.words, " ") + ")") + "'";
@@ -271,7 +271,7 @@ std::string zsh_option(const Option& option) {
   return text;
 }
 
-/// Hyphens that are to be typed, backslashes, and a full stop at the start of a line, as roff wants them.
+/// Escapes hyphens, backslashes, and a full stop at the start of a line for roff.
 std::string roff(const std::string& text) {
   std::string escaped = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
   if (escaped.starts_with('.') || escaped.starts_with('\'')) escaped.insert(0, "\\&");
@@ -282,9 +282,9 @@ std::string roff_option(const Option& option) {
   std::string text = ".TP\n\\fB" + roff(joined(names_of(option), "\\fR, \\fB")) + "\\fR";
   text = replaced(text, "\\efR", "\\fR");
   text = replaced(text, "\\efB", "\\fB");
-  // A line may be broken after each word: together they can be longer than one.
+  // Allows a line break after each word, because the words together can be longer than a line.
   const std::string words = replaced(roff(option.type), "|", "|\\:");
-  if (has_value(option) && !is_place(option)) text += " \\fI" + words + "\\fR";
+  if (has_value(option) && !is_positional(option)) text += " \\fI" + words + "\\fR";
   return text + '\n' + roff(option.text) + ".\n";
 }
 

@@ -1,5 +1,5 @@
-// The commands that write an environment as images: `welkin convert`, in another format, layout, size or orientation,
-// `welkin testmap`, one that shows by itself how it is turned, and `welkin sample`, a room to try the others with.
+// The commands that write images: `welkin convert`, an environment in another format, layout, size or orientation;
+// `welkin testmap`, one that shows its orientation; and `welkin sample`, a room to try the others with.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -31,17 +31,17 @@
 namespace welkin::tool {
 namespace {
 
-// Shared by these commands.
+// Helpers that these commands share.
 
 struct OutputOptions {
   std::string path;            ///< "-": standard output
-  std::string format = "exr";  ///< of standard output, whose name does not tell
+  std::string format = "exr";  ///< of standard output, whose name does not determine it
   WriteOptions write;
   int size = 0;                 ///< of a cube: a face's edge; of a lat-long: its width; 0: that of the input
-  const char* if_clamped = "";  ///< what the note about clamped values also says
+  const char* if_clamped = "";  ///< end of the note about clamped values
 };
 
-/// A lat-long's height for its width: half, rounded up.
+/// Returns a lat-long's height for its width: half, rounded up.
 constexpr int lat_long_height(int width) noexcept { return (width + 1) / 2; }
 
 constexpr int kLargestWidth = 65536;
@@ -58,7 +58,7 @@ std::string described(const WriteReport& report, const std::string& what, const 
   return text;
 }
 
-/// --layout, --size, --type and --format.
+/// Adds --layout, --size, --type and --format.
 void add_output_options(Options& table, OutputOptions& options) {
   table.push_back(choice<Layout>(
       "--layout", options.write.layout, layout_choices(),
@@ -78,13 +78,13 @@ void add_output_options(Options& table, OutputOptions& options) {
                                       "The format of OUT where that is -; default exr"));
 }
 
-/// Whether the options ask for a cubemap, where the environment at hand is one or is none.
+/// Returns whether the options select a cubemap; by default the output has the input's kind.
 bool wants_cubemap(const OutputOptions& options, bool have_cubemap) noexcept {
   const Layout layout = options.write.layout;
   return layout == Layout::automatic ? have_cubemap : layout != Layout::lat_long;
 }
 
-/// As the library wants to be told a format: by a name that ends with it.
+/// Returns a name whose extension gives the format, as the library expects it.
 std::string name_of_output(const OutputOptions& options) {
   return is_standard_stream(options.path) ? "standard output." + options.format : options.path;
 }
@@ -107,8 +107,8 @@ std::string words_of(const EnvironmentView& image, Layout layout) {
   return std::string(name(layout == Layout::automatic ? Layout::vertical_strip : layout)) + ", faces of " + face;
 }
 
-/// Writes, and says what was written: a line a file, and a note about clamped values; nothing of standard output, which
-/// gets the bytes.
+/// Writes the image. Returns a description: one line per file, and a note about clamped values; nothing for standard
+/// output, which gets the bytes.
 std::string write_output(const OutputOptions& options, const EnvironmentView& image, const Control& control) {
   begin_stage("write");
   if (!is_standard_stream(options.path)) {
@@ -121,7 +121,7 @@ std::string write_output(const OutputOptions& options, const EnvironmentView& im
   return "";
 }
 
-/// Throws `Error` (limit_exceeded) if an image of so many texels cannot be made beside `held` of the input.
+/// Throws `Error` (limit_exceeded) if that many texels exceed the memory limit in addition to the `held` of the input.
 void require_memory(const CommonOptions& common, const OutputOptions& output, std::uint64_t texels,
                     std::uint64_t held = 0) {
   constexpr std::uint64_t kTexelBytes = 12;
@@ -135,7 +135,7 @@ void require_memory(const CommonOptions& common, const OutputOptions& output, st
                                              "; pass a smaller --size or raise --memory-limit");
 }
 
-/// Does the work, and says what was written, or of standard output what there is to say beside it: on standard error.
+/// Does the work and prints its summary: on standard error if standard output gets the image.
 void run_writing(const CommonOptions& common, const OutputOptions& output,
                  const std::function<std::string(const Control& control)>& work) {
   const std::string text = with_bar(common, work);
@@ -150,7 +150,7 @@ std::uint64_t square(int edge) { return static_cast<std::uint64_t>(edge) * stati
 
 // `welkin convert`.
 
-// Shares of the progress bar.
+// Fractions of the progress bar.
 constexpr double kRead = 0.3;
 constexpr double kResampled = 0.7;
 
@@ -161,10 +161,10 @@ struct ConvertOptions {
   OrientationOptions orientation;
   SunChoice sun;
   bool tone_map = false;
-  std::optional<double> exposure_stops;  ///< none: by the image
+  std::optional<double> exposure_stops;  ///< none: derived from the image
 };
 
-/// Replaces radiance by what a screen shows, from 0 to 1, if the options ask for it.
+/// Tone maps radiance to [0, 1] if the options select that.
 void tone_map(const ConvertOptions& options, Pixels& image) {
   constexpr int kEnough = 32;  // as for the previews
   if (!options.tone_map) return;
@@ -178,7 +178,7 @@ void tone_map(const ConvertOptions& options, Pixels& image) {
   }
 }
 
-/// Nothing is resampled, or moved, unless something asks for it.
+/// Resamples or moves texels only if an option requires it.
 std::string write_converted(const ConvertOptions& options, Pixels& source, const Control& control) {
   const SourceShape from = shape_of(source.view());
   const bool cubemap = wants_cubemap(options.output, from.cubemap);
@@ -209,7 +209,7 @@ std::string write_converted(const ConvertOptions& options, Pixels& source, const
   return write_output(options.output, result.view(), last);
 }
 
-/// Throws `Error` (file_access) if OUT is a file that is read: of six files and of a folder any of them.
+/// Throws `Error` (file_access) if OUT is also read: any of six files or of those in a folder.
 void check_input_is_kept(const ConvertOptions& options, const EnvironmentInfo& input) {
   if (is_standard_stream(options.input) || is_standard_stream(options.output.path)) return;
   std::vector<std::filesystem::path> read{platform::path_of(options.input)};
@@ -256,20 +256,20 @@ constexpr int kLatLongWidth = 2048;
 struct DrawingOptions {
   CommonOptions common;
   OutputOptions output;
-  OrientationOptions orientation;  ///< of the test map, its `to` alone
+  OrientationOptions orientation;  ///< of the test map; only `to` is used
 };
 
-constexpr double kDrawn = 0.9;  // share of the progress bar; writing has the rest
+constexpr double kDrawn = 0.9;  // fraction of the progress bar; writing has the rest
 
-/// The surroundings are the same for every engine; it has other names for their directions, and looks them up at other
-/// places of a cubemap.
+/// Returns an engine's axes. The surroundings are the same for every engine, but their directions have other names and
+/// other positions in a cubemap.
 TestMapAxes axes_of(Engine engine, bool cubemap) {
   TestMapAxes axes{convention(engine).from_welkin};
   if (cubemap) axes.places = faces_of(engine);
   return axes;
 }
 
-/// `draw`: returns an image of the size, an edge's or a width.
+/// Draws and writes an image. `draw` returns an image of the given size: a cubemap's edge or a lat-long's width.
 template <class Draw>
 std::string draw_and_write(const CommonOptions& common, const OutputOptions& output, bool cubemap, int size,
                            const Control& control, const Draw& draw) {

@@ -1,5 +1,5 @@
-// `welkin importance`: tables by which a path tracer picks directions, as .npy files with a JSON that says what they
-// are.
+// `welkin importance`: tables by which a path tracer picks directions, as .npy files with a JSON file that describes
+// them.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -31,11 +31,11 @@ namespace {
 
 constexpr const char* kTableName = "importance.json";
 
-/// All tables that may be written.
+/// Returns the names of all tables that may be written.
 std::vector<std::string> table_names(bool alias, bool pyramid) {
   std::vector<std::string> names = {"function.npy", "row_cdf.npy", "column_cdf.npy"};
   if (alias) names.insert(names.end(), {"alias_rows.npy", "alias_columns.npy"});
-  constexpr int kMaxLevels = 17;  // of 65536 texels
+  constexpr int kMaxLevels = 17;  // from 65536 texels down to 1
   for (int level = 0; pyramid && level < kMaxLevels; ++level) {
     names.push_back("pyramid_" + std::to_string(level) + ".npy");
   }
@@ -59,7 +59,7 @@ struct ImportanceCommandOptions {
   bool pyramid = false;
 };
 
-/// NumPy's file, version 1.0: little-endian, rows first. `type`: "<f4", or a list of fields.
+/// Returns a NumPy file, version 1.0: little-endian, rows first. `type`: "<f4", or a list of fields.
 std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std::size_t>& shape,
                                  std::span<const std::byte> values) {
   static_assert(std::endian::native == std::endian::little);
@@ -82,7 +82,7 @@ std::vector<std::byte> npy_bytes(const std::string& type, const std::vector<std:
   return file;
 }
 
-/// Writes a table, and notes it with its shape.
+/// Writes a table, and notes its shape.
 template <class Value>
 void write_table(const std::string& name, const std::vector<std::size_t>& shape, const std::vector<Value>& values,
                  OutputFolder& folder) {

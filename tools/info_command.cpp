@@ -1,4 +1,4 @@
-// `welkin info`: what is in an environment file.
+// `welkin info`: describes an environment file.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,7 +16,7 @@
 namespace welkin::tool {
 namespace {
 
-/// What was found, before it is put into words or JSON.
+/// The findings, before they are printed as text or JSON.
 struct InfoReport {
   EnvironmentInfo file;
   EnvironmentStatistics pixels;
@@ -96,7 +96,7 @@ std::string levels_text(const EnvironmentInfo& file) {
          std::to_string(last.height) + " (--level)";
 }
 
-// What few files have.
+// Returns lines about properties that few files have.
 std::string further_lines(const EnvironmentInfo& file) {
   std::string text;
   if (file.levels.size() > 1) text += line("mip levels", levels_text(file));
@@ -136,19 +136,19 @@ std::string odd_values_text(const EnvironmentStatistics& pixels) {
          " of " + grouped(3 * pixels.texels);
 }
 
-std::string place_text(const InfoReport& report) {
+std::string position_text(const InfoReport& report) {
   const EnvironmentStatistics& pixels = report.pixels;
-  const std::string place =
+  const std::string position =
       "column " + std::to_string(pixels.brightest_column) + ", row " + std::to_string(pixels.brightest_row);
-  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return place;
+  if (report.file.layout != Layout::vertical_strip && report.file.layout != Layout::six_files) return position;
   const int face = pixels.brightest_row / report.file.width;
-  return place + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
+  return position + " (face " + face_name(face) + ", row " + std::to_string(pixels.brightest_row % report.file.width) +
          ")";
 }
 
 std::string info_table(const InfoReport& report) {
   return file_lines(report.file) + range_lines(report.pixels) + '\n' + line("special", odd_values_text(report.pixels)) +
-         line("brightest", significant(report.pixels.brightest)) + line("", place_text(report)) +
+         line("brightest", significant(report.pixels.brightest)) + line("", position_text(report)) +
          line("", direction_text(report.pixels.brightest_direction)) +
          "\n  Directions: y is up; the centre of a lat-long looks along +z, and +x lies a\n  quarter of the width from "
          "the "

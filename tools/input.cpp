@@ -104,7 +104,7 @@ void require_own_folder(const std::filesystem::path& folder, const std::string& 
 
 FileInput input_of(const std::string& named, const ReadOptions& read) {
   if (!is_stream(named)) return platform::path_of(named);
-  // A command has one input.
+  // A command has only one input.
   static const std::vector<std::byte> bytes =
       read_to_end(is_standard_stream(named) ? std::nullopt : std::optional(named), read.memory_limit_bytes);
   return {bytes, is_standard_stream(named) ? kStandardInput : named};
@@ -256,8 +256,8 @@ void add_sun_options(Options& table, SunChoice& choice, const std::vector<std::s
   constexpr const char* kTakeOut = "--extract-sun";
   add_option(table, kTakeOut, &choice.take_out, "",
              "Extract the sun from the environment and report it as a directional light", {.excludes = excludes});
-  const auto add = [&](const char* name, double& value, double least, double most, const char* type, const char* text) {
-    add_option(table, name, &value, type, text, {.bounds = number_between(least, most), .needs = {kTakeOut}});
+  const auto add = [&](const char* name, double& value, double low, double high, const char* type, const char* text) {
+    add_option(table, name, &value, type, text, {.bounds = number_between(low, high), .needs = {kTakeOut}});
   };
   add("--sun-threshold", choice.options.relative_threshold, 1e-9, 1.0, "SHARE",
       "Luminance, relative to the brightest texel, from which texels belong to the sun; default 0.02");
@@ -289,7 +289,7 @@ std::vector<std::pair<std::string, Engine>> engine_words() {
   return words;
 }
 
-// Entries that are whole but for rounding become whole: a quaternion of a quarter turn is then exact.
+// Rounds entries that are whole but for rounding: a quaternion of 90 degrees is then exact.
 glm::dmat3 tidied(glm::dmat3 matrix) {
   constexpr double kRounding = 1e-15;
   for (int column = 0; column < 3; ++column) {
@@ -309,17 +309,17 @@ glm::dmat3 faces_matrix(const Convention& engine) {
   return *engine.faces_from_engine;
 }
 
-// From Welkin's axes to where an image in the engine's convention holds a direction. A lat-long is the same image
-// for all of them: they differ in which of their axes its centre is, and from_welkin is just that. Cube faces are
-// named after the engine's axes.
+// Returns the matrix from Welkin's axes to an image in the engine's convention. A lat-long is the same image for all
+// engines: they differ in which of their axes its centre is, which is from_welkin. Cube faces are named after the
+// engine's axes.
 glm::dmat3 into_image(Engine engine, bool cubemap) {
   const Convention& of = convention(engine);
   return cubemap ? faces_matrix(of) * of.from_welkin : glm::dmat3(1.0);
 }
 
-// Between what the file holds and what the result will, in Welkin's axes.
+// Returns the rotation between the file's and the result's directions, in Welkin's axes.
 glm::dmat3 turn_in_welkin(const OrientationOptions& options, bool source_is_cubemap) {
-  // Orthogonal: the transpose is the inverse.
+  // The matrix is orthogonal: its transpose is its inverse.
   glm::dmat3 rotation = glm::transpose(into_image(options.from, source_is_cubemap));
   if (options.mirror) rotation = glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1) * rotation;
   return rotation_about_y(options.yaw_degrees) * glm::mat3_cast(options.rotation) * rotation;

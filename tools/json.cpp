@@ -19,7 +19,7 @@ using Library = nlohmann::ordered_json;
 
 }  // namespace
 
-/// Between our values and the library's.
+/// Converts between Welkin's values and the library's.
 struct JsonAccess {
   static Library to_library(const Json& json) {
     return std::visit([](const auto& value) { return converted(value); }, json.value_);
@@ -66,7 +66,7 @@ Json from_library(const Library& value) {
   }
 }
 
-constexpr int kDeepestNesting = 8;  // sound ones have 5
+constexpr int kDeepestNesting = 8;  // valid files have 5
 
 Flaw unknown_member(const std::string& where, const std::string& key, const std::string& known) {
   return {where + " has a member \"" + key + "\"; it can have " + known};
@@ -88,7 +88,7 @@ std::string text_of(const std::filesystem::path& path, const std::string& hint, 
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) fail(ErrorCode::file_access, "cannot be read (" + reason() + "); " + hint);
-  constexpr std::size_t kBlock = std::size_t{1} << 14U;  // sound ones have some kilobytes
+  constexpr std::size_t kBlock = std::size_t{1} << 14U;  // valid files have a few kilobytes
   std::string text;
   while (stream) {
     const std::size_t before = text.size();
@@ -181,7 +181,7 @@ Json& Json::operator[](const std::string& name) {
 std::string Json::one_line() const {
   const Library value = JsonAccess::to_library(*this);
   std::string text = value.dump(-1, ' ', false, Library::error_handler_t::replace);
-  // It may go to a terminal, and JSON itself has escapes for the first 32 control characters alone.
+  // The text may go to a terminal, and JSON escapes only the first 32 control characters.
   if (platform::without_controls(text) == text) return text;
   return value.dump(-1, ' ', true, Library::error_handler_t::replace);
 }

@@ -9,9 +9,9 @@ namespace welkin::tool {
 namespace {
 
 constexpr double kFar = 100.0;
-constexpr double kReach = 1.5;  // around a letter's cell, within which its distance is wanted
+constexpr double kReach = 1.5;  // distance around a letter's cell that is evaluated
 
-/// The points that the pen goes through, two digits each (x from 0 to 4, y from 0 to 6); a space lifts it.
+/// The points of the pen's path, two digits each (x from 0 to 4, y from 0 to 6); a space lifts it.
 struct Glyph {
   char letter;
   const char* strokes;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kReport = "report";
 
-/// In the list of commands; what follows its name is for the program that it is.
+/// Lists the command; another program gets the words after its name.
 Command report_command() {
   Command command{kReport, "Error against run time of every method and setting", ""};
   command.run = [](const Given& /*given*/) { become("welkin-report", {}); };
@@ -23,7 +23,7 @@ Command report_command() {
 
 Program welkin_program();
 
-/// For packages and for people: a shell's completion, or the manual page.
+/// Prints, for packages and people, a shell's completion or the manual page.
 Command completion_command() {
   using Writer = std::string (*)(const Program&);
   const auto writer = std::make_shared<Writer>(bash_completion);
@@ -45,7 +45,7 @@ Program welkin_program() {
        testmap_command(), sample_command(), importance_command(), report_command(), completion_command()}};
 }
 
-/// Reports are measured by a program of their own, which is no part of this one's build.
+/// Reports come from a separate program, which is no part of this one's build.
 ExitCode run_report(const std::vector<std::string>& arguments) {
   return run_guarded([&]() -> ExitCode { become("welkin-report", arguments); });
 }

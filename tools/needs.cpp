@@ -53,7 +53,7 @@ SceneNeeds needs_of(const Json& json) {
 
 SceneNeeds NeedsChoice::needs() const {
   SceneNeeds needs;
-  needs.diffuse_bands = kMaximumBands;  // as many as --bands asks for
+  needs.diffuse_bands = kMaximumBands;  // limited by --bands
   if (needs_in_file) needs = *needs_in_file;
   if (glossy) needs.glossy = glossy;
   if (no_glossy) needs.glossy.reset();

@@ -43,8 +43,8 @@ static_assert(kFormats.size() == static_cast<std::size_t>(TexelFormat::uastc_hdr
 
 const FormatTraits& traits(TexelFormat format) noexcept { return kFormats.at(static_cast<std::size_t>(format)); }
 
-/// What the container has room for: OpenEXR halves or floats, DDS also blocks of BC6H, KTX all but ASTC. Irradiance is
-/// not compressed: where it nears 0 the errors of blocks are large beside it. A table is of halves or floats.
+/// Returns a format that the container holds: OpenEXR half floats or floats, DDS also BC6H, KTX all but ASTC.
+/// Irradiance is not compressed: near 0, errors of blocks are relatively large. A table holds half floats or floats.
 TexelFormat stored_format(Content content, Container container, TexelFormat wanted) {
   if (wanted == TexelFormat::rgba32f) return wanted;
   const bool is_smooth = content == Content::irradiance || content == Content::lambert;
@@ -66,7 +66,7 @@ bool holds_all_levels(const OutputFile& file) {
   return file.container != Container::hdr && file.container != Container::pfm;
 }
 
-/// What is a cubemap, in the order in which it is written.
+/// Returns the cubemaps of a bake, in the order in which they are written.
 std::vector<Content> cubemaps_of(const BakeCommandOptions& options) {
   std::vector<Content> cubemaps = {Content::background, Content::specular};
   for (const LobeFamily lobe : options.lobes) cubemaps.push_back(content_of(lobe));
@@ -138,7 +138,7 @@ std::vector<OutputFile> files_in(const std::set<Container>& containers, const Ba
     add(cubemap, {Container::ktx2, Container::dds, Container::exr, Container::hdr, Container::pfm, Container::ktx});
   }
   if (options.no_brdf) return files;
-  const bool babylon_alone = containers == std::set<Container>{Container::env};  // it has a table of its own
+  const bool babylon_alone = containers == std::set<Container>{Container::env};  // Babylon.js has its own table
   if (!add(Content::brdf, {Container::ktx2, Container::dds}) && !babylon_alone) {
     files.push_back(file_of(Content::brdf, Container::pfm, options.texture));
   }
@@ -187,7 +187,7 @@ bool contains_rgbd(const std::vector<OutputFile>& files) noexcept {
 
 namespace {
 
-/// All that a bake can be asked for, strips of mips by the name of the first.
+/// Returns the names of all files that a bake can write; for strips of mips, the name of the first.
 std::set<std::string, std::less<>> all_bake_names() {
   constexpr std::array kContainers{Container::ktx2, Container::dds, Container::exr, Container::hdr,
                                    Container::pfm,  Container::env, Container::ktx};

@@ -15,7 +15,7 @@ namespace welkin::tool {
 
 struct BakeCommandOptions;
 
-/// Containers, by the word on the command line and the extension alike.
+/// Containers, named by the word on the command line, which is also the extension.
 enum class Container {
   ktx2,
   dds,
@@ -26,29 +26,29 @@ enum class Container {
   ktx,
   glb,
   png,
-  text,  ///< none: what a file of letters holds
+  text,  ///< plain text without a container
 };
 
 [[nodiscard]] const char* name(Container container) noexcept;
 
-/// "rgba16f", "bc6h", ...: as --ktx2-format has them.
+/// Returns "rgba16f", "bc6h", ...: as --ktx2-format names them.
 [[nodiscard]] const char* name(TexelFormat format) noexcept;
 
-/// All of them, by their names.
+/// Returns all formats with their names.
 [[nodiscard]] std::vector<std::pair<std::string, TexelFormat>> texel_formats();
 
-/// The radiance above which the format clamps.
+/// Returns the radiance above which the format clamps.
 [[nodiscard]] const glm::dvec3& largest_of(TexelFormat format) noexcept;
 
 [[nodiscard]] bool is_bc6h(TexelFormat format) noexcept;
-/// BC6H or ASTC.
+/// Returns whether the format is BC6H or ASTC.
 [[nodiscard]] bool is_in_blocks(TexelFormat format) noexcept;
 
-/// What a file holds.
+/// The content of a file.
 enum class Content {
-  env,               ///< all that Babylon.js wants
+  env,               ///< all that Babylon.js needs
   playcanvas_atlas,  ///< reflections and diffuse light on one image
-  playcanvas_asset,  ///< how that image is to be loaded
+  playcanvas_asset,  ///< the asset that loads that image
   gltf_light,        ///< reflections and harmonics as a light of EXT_lights_image_based
   lat_long,          ///< the background as a lat-long
   octahedral,        ///< the specular chain as an octahedral map
@@ -63,49 +63,49 @@ enum class Content {
   readme,     ///< how the engine loads the files
 };
 
-/// "background", "specular", ...: the name of its files without extension where nobody calls them otherwise.
+/// Returns "background", "specular", ...: the default name of its files without extension.
 [[nodiscard]] const char* name(Content content) noexcept;
 
-/// Of `charlie`, `lambert`, `phong`.
+/// Returns the content for `charlie`, `lambert`, `phong`.
 [[nodiscard]] Content content_of(LobeFamily lobe) noexcept;
 
-/// A file that is to be written.
+/// A file to write.
 struct OutputFile {
   Content content;
   Container container;
-  TexelFormat format;  ///< that is stored; of no meaning to .hdr, .pfm, .env, .glb, .png and text
+  TexelFormat format;  ///< stored format; unused for .hdr, .pfm, .env, .glb, .png and text
   Supercompression supercompression = Supercompression::none;
   std::string name{};  ///< with its extension
-  int levels = 0;      ///< the first ones of the content's; 0: all
+  int levels = 0;      ///< number of the content's first levels; 0: all
 };
 
-/// Returns words for what becomes of values that the file does not hold. A bake gives none that a float does not hold:
+/// Returns words for the fate of values outside of the file's range. A bake makes no values that a float cannot hold:
 /// PFM clamps nothing.
 [[nodiscard]] const char* range_of(const OutputFile& file) noexcept;
 
-/// The names in the folder: its own or, of a container that holds one level of this content, one a level.
+/// Returns the names in the folder: the file's own or, if its container holds one level of this content, one per level.
 [[nodiscard]] std::vector<std::string> names_of(const OutputFile& file, int levels);
 
-/// What `--formats` asks for: of each container everything that it can hold.
+/// Returns the files of `--formats`: for each container everything that it can hold.
 [[nodiscard]] std::vector<OutputFile> files_in(const std::set<Container>& containers,
                                                const BakeCommandOptions& options);
 
-/// What `options.orientation.to` loads as it is and, as KTX2, what is asked for beside it (--lobe, --octahedral). The
-/// format and supercompression of .ktx2 files are those of the options, where these name them.
+/// Returns the files that `options.orientation.to` loads as they are and, as KTX2, further selected ones (--lobe,
+/// --octahedral). The format and supercompression of .ktx2 files are those of the options, where these name them.
 [[nodiscard]] std::vector<OutputFile> files_of_engine(const BakeCommandOptions& options);
 
-/// Of a list, those with this content, in its order.
+/// Returns the files of a list with this content, in its order.
 [[nodiscard]] std::vector<OutputFile> files_with(Content content, const std::vector<OutputFile>& files);
 
 [[nodiscard]] bool contains(const std::vector<OutputFile>& files, Content content) noexcept;
 
-/// Whether there is one that Babylon.js reads as RGBD: it has a specular chain of its own, and harmonics.
+/// Returns whether Babylon.js reads one of them as RGBD: it has its own specular chain, and harmonics.
 [[nodiscard]] bool contains_rgbd(const std::vector<OutputFile>& files) noexcept;
 
-/// Whether a bake may call a file so, of whichever engine, formats and sky; not its manifest.
+/// Returns whether a bake for any engine, formats and sky may write a file of this name, except its manifest.
 [[nodiscard]] bool is_bake_name(std::string_view name);
 
-/// Whether there is one whose faces lie as the engine looks for them.
+/// Returns whether one has faces in the positions of the engine.
 [[nodiscard]] bool contains_cubemap(const std::vector<OutputFile>& files) noexcept;
 
 }  // namespace welkin::tool

@@ -1,5 +1,5 @@
-// Light to what a screen can show: exposure, curve, look-ups in cubemaps, images with labels; and images of what
-// was baked: the surroundings, the mips, spheres in that light.
+// Images for screens: exposure, tone curve, lookups in cubemaps, images with labels; and previews of a bake: the
+// surroundings, the mips, spheres in that light.
 #pragma once
 
 #include <algorithm>
@@ -18,56 +18,56 @@
 
 namespace welkin::tool {
 
-/// An exposure and a curve. The result is linear, in [0, 1]; the sRGB curve comes when it is written.
+/// An exposure and a curve. The result is linear, in [0, 1]; writing applies the sRGB curve.
 struct ToneMap {
   double exposure = 1.0;  ///< radiance is multiplied by it first
 
   /// Narkowicz's fit of the ACES curve (2015), without its 0.6: x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14).
   [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& radiance) const noexcept;
-  /// The same in floats, for 8 bits a channel.
+  /// Maps in floats, which suffice for 8 bits per channel.
   [[nodiscard]] glm::vec3 operator()(const glm::vec3& radiance) const noexcept;
 
-  /// The exposure in stops: its logarithm to base 2.
+  /// Returns the exposure in stops: its logarithm to base 2.
   [[nodiscard]] double stops() const noexcept;
 };
 
 inline glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
-  constexpr float kWhite = 1e4F;  // where the curve has long ended, and before three denominators overflow
+  constexpr float kWhite = 1e4F;  // the curve ends before it, and three denominators overflow beyond it
   const auto scale = static_cast<float>(exposure);
   const auto light = [=](float x) { return std::min(x > 0.0F ? scale * x : 0.0F, kWhite); };
   const glm::vec3 x(light(radiance.x), light(radiance.y), light(radiance.z));
   const glm::vec3 above = x * (2.51F * x + 0.03F);
   const glm::vec3 below = x * (2.43F * x + 0.59F) + 0.14F;
-  // One division for all three.
+  // One division serves all three channels.
   const float inverse = 1.0F / (below.x * below.y * below.z);
   return glm::min(above * glm::vec3(below.y * below.z, below.z * below.x, below.x * below.y) * inverse,
                   glm::vec3(1.0F));
 }
 
-/// Looks a direction up in a cubemap as a graphics card does: bilinear, seamless across edges, linear between mips.
+/// Looks directions up in a cubemap as a GPU does: bilinear, seamless across edges, linear between mips.
 class CubeLookup {
  public:
-  /// Levels of packed rgb_f32, largest first, at least one; they are not copied.
+  /// `levels`: packed rgb_f32, largest first, at least one; they are not copied.
   explicit CubeLookup(std::vector<CubemapView> levels) : levels_(std::move(levels)) {}
   explicit CubeLookup(const Cubemap& chain) : CubeLookup(chain.views()) {}
 
   [[nodiscard]] int levels() const noexcept { return static_cast<int>(levels_.size()); }
   [[nodiscard]] int size(int level) const noexcept { return levels_[static_cast<std::size_t>(level)].size; }
 
-  /// `direction` need not be of unit length, but must not be 0; a level beyond the last one is the last one.
+  /// `direction` must not be 0, but need not have unit length; levels beyond the last one are clamped to it.
   [[nodiscard]] glm::vec3 at(const glm::vec3& direction, int level) const;
 
-  /// The same between two levels, `level` being a fraction.
+  /// Interpolates between the two levels around `level`.
   [[nodiscard]] glm::vec3 at(const glm::vec3& direction, double level) const;
 
-  /// The level whose texels are `radians` across.
+  /// Returns the level whose texels are `radians` across.
   [[nodiscard]] double level_for(double radians) const;
 
  private:
   std::vector<CubemapView> levels_;
 };
 
-/// An image of 8 bits a channel in sRGB.
+/// An image of 8 bits per channel in sRGB.
 class PreviewImage {
  public:
   /// `background`: linear light, as in `set`.
@@ -80,28 +80,28 @@ class PreviewImage {
   void set(int column, int row, const glm::vec3& rgb);
 
   /// Writes a label in capitals, digits and + - . with a dark rim. `x`, `y`: its middle; `height`: of its letters. All
-  /// in pixels.
+  /// are in pixels.
   void write(std::string_view text, double x, double y, double height);
 
-  /// As a PNG. Throws `Error`: file_access, and unsupported_file in a build without PNG.
+  /// Writes a PNG. Throws `Error`: file_access, and unsupported_file in a build without PNG.
   void save(const std::filesystem::path& path) const;
 
  private:
-  [[nodiscard]] std::size_t place(int column, int row) const noexcept;
+  [[nodiscard]] std::size_t offset(int column, int row) const noexcept;
 
   int width_;
   int height_;
-  std::vector<std::uint8_t> bytes_;  // rows from above, three a pixel
-  const std::uint8_t* codes_;        // of light in fine steps
+  std::vector<std::uint8_t> bytes_;  // rows from the top, three bytes per pixel
+  const std::uint8_t* codes_;        // sRGB codes of light in fine steps
 };
 
-/// The width of a label in pixels.
+/// Returns the width of a label in pixels.
 [[nodiscard]] double label_width(std::string_view text, double height) noexcept;
 
-/// Common to all previews.
+/// Options common to all previews.
 struct PreviewOptions {
   ToneMap tone_map;
-  int sphere = 256;  ///< pixels across one
+  int sphere = 256;  ///< diameter of a sphere in pixels
 };
 
 /// An image that was written.
@@ -113,7 +113,7 @@ struct WrittenPreview {
 };
 
 /// Draws preview_environment.png, preview_spheres.png and preview_mips.png into a folder, those for which `light` has
-/// what they show. Throws `Error`: file_access, unsupported_file (a build without PNG), cancelled.
+/// the data. Throws `Error`: file_access, unsupported_file (a build without PNG), cancelled.
 [[nodiscard]] std::vector<WrittenPreview> write_previews(const BakeResult& light, const PreviewOptions& options,
                                                          const std::filesystem::path& folder,
                                                          const Control& control = {});

@@ -1,4 +1,4 @@
-// A page on which a person turns spheres and a knot in the light that was baked.
+// Writes a page that shows spheres and a knot, which the viewer rotates, in the baked light.
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -34,13 +34,13 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-/// Nine bits a channel and an exponent for all, as WebGL's RGB9_E5. (OpenGL ES 3.0, 3.8.3.2.) NaN is 0.
+/// Packs nine bits per channel and one exponent for all, as WebGL's RGB9_E5. (OpenGL ES 3.0, 3.8.3.2.) NaN becomes 0.
 std::uint32_t shared_exponent(const float* rgb) {
   const auto held = [](float value) { return value > 0.0F ? std::min(value, image::kLargestSharedFloat) : 0.0F; };
   return image::pack_e5b9g9r9({held(rgb[0]), held(rgb[1]), held(rgb[2])});
 }
 
-/// Levels of a cubemap in packed floats, from one of at most `largest` texels on.
+/// Returns levels of a cubemap in packed floats, starting with one of at most `largest` texels.
 Json levels_json(std::vector<CubemapView> levels, int largest, std::size_t& first, const Control& control) {
   for (first = 0; first + 1 < levels.size() && levels[first].size > largest;) ++first;
   levels.erase(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(first));
@@ -82,8 +82,8 @@ void write_preview_page(const BakeResult& light, const ToneMap& tone_map, const 
   if (light.irradiance) data["irradiance"] = levels_json({light.irradiance->view()}, kLargestMip, unused, control);
   if (light.brdf) data["brdf"] = table_json(*light.brdf);
   std::string page = embedded_text("preview.html");
-  constexpr std::string_view kPlace = ">DATA<";
-  page.replace(page.find(kPlace) + 1, kPlace.size() - 2, data.one_line());
+  constexpr std::string_view kMarker = ">DATA<";
+  page.replace(page.find(kMarker) + 1, kMarker.size() - 2, data.one_line());
   write_text_file(file, page);
 }
 

@@ -1,4 +1,4 @@
-// Images for people: the surroundings, the mips, spheres lit by what was baked.
+// Draws the images for people: the surroundings, the mips, spheres in the baked light.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace {
 constexpr glm::vec3 kGround(0.018F, 0.018F,
                             0.02F);  // linear: a dark grey that neither light nor dark spheres vanish in
 
-/// Calls `row(index)` for all rows, several at a time on the threads that there are.
+/// Calls `draw(row)` for all rows, several concurrently on the available threads.
 void for_rows(int rows, int width, const Control& control, const std::function<void(int)>& draw) {
   const jobs::Placement where = jobs::placement_for(std::int64_t{16} * rows * width);
   jobs::run_tiles(static_cast<std::size_t>(rows), where, jobs::worker_count(where), {control.stop, {}},
@@ -36,33 +36,33 @@ struct Panorama {
   [[nodiscard]] double pixel_radians() const { return std::numbers::pi / height; }
 };
 
-/// The level whose texels are about as large as pixels.
-int nearest_level(const CubeLookup& cube, const Panorama& place) {
-  return static_cast<int>(cube.level_for(place.pixel_radians()) + 0.5);
+/// Returns the level whose texels are nearest in size to pixels.
+int nearest_level(const CubeLookup& cube, const Panorama& panorama) {
+  return static_cast<int>(cube.level_for(panorama.pixel_radians()) + 0.5);
 }
 
 void draw_panorama(PreviewImage& image, const CubeLookup& cube, int level, const ToneMap& tone_map,
-                   const Panorama& place, const Control& control) {
-  const int width = 2 * place.height;
+                   const Panorama& panorama, const Control& control) {
+  const int width = 2 * panorama.height;
   std::vector<glm::dvec3> around;  // level directions: along a row only the azimuth changes
   around.reserve(static_cast<std::size_t>(width));
   for (int column = 0; column < width; ++column) {
     around.push_back(image::lat_long_direction(width, 1, column + 0.5, 0.5));
   }
-  for_rows(place.height, width, control, [&](int row) {
-    const glm::dvec3 up = image::lat_long_direction(1, place.height, 0.5, row + 0.5);
+  for_rows(panorama.height, width, control, [&](int row) {
+    const glm::dvec3 up = image::lat_long_direction(1, panorama.height, 0.5, row + 0.5);
     const double across = std::sqrt(std::max(0.0, 1.0 - up.y * up.y));
     for (int column = 0; column < width; ++column) {
       const glm::dvec3& towards = around[static_cast<std::size_t>(column)];
       const glm::vec3 radiance = cube.at(glm::vec3(across * towards.x, up.y, across * towards.z), level);
-      image.set(place.left + column, place.top + row, tone_map(radiance));
+      image.set(panorama.left + column, panorama.top + row, tone_map(radiance));
     }
   });
 }
 
-/// The surroundings as a lat-long, twice as wide as high, as who stands there sees them: +z in the middle, +x to the
-/// left of it. (A cubemap's own faces look mirrored: docs/explanation/orientation.md says why.) The axes are written at
-/// the foot.
+/// Returns the surroundings as a lat-long, twice as wide as high, as seen from inside: +z in the middle, +x to the left
+/// of it. (A cubemap's own faces look mirrored: docs/explanation/orientation.md says why.) The axes are written at the
+/// bottom.
 PreviewImage preview_environment(const CubeLookup& environment, const ToneMap& tone_map, int height,
                                  const Control& control) {
   PreviewImage image(2 * height, height, kGround);
@@ -76,9 +76,9 @@ PreviewImage preview_environment(const CubeLookup& environment, const ToneMap& t
   return image;
 }
 
-/// Every mip as a lat-long of its own, all of one size, side by side from the sharpest to the roughest, with its
-/// roughness written on it. A texel is spread over many pixels as a graphics card spreads it, so that seams would show.
-/// `light` must have its specular chain; `height` is that of each.
+/// Returns each mip as a lat-long, all of one size, in rows from the sharpest to the roughest, labelled with its
+/// roughness. Texels are magnified to many pixels as a GPU does it, so that seams would show. `light` must have its
+/// specular chain; `height` is that of each.
 PreviewImage preview_mips(const BakeResult& light, const ToneMap& tone_map, int height, const Control& control) {
   constexpr int kInARow = 3;
   const std::vector<MipRecord>& mips = light.specular->mips;
@@ -89,22 +89,22 @@ PreviewImage preview_mips(const BakeResult& light, const ToneMap& tone_map, int 
   PreviewImage image(columns * (2 * height + gap) + gap, rows * (height + gap) + gap, kGround);
   const double letters = std::max(6.0, height / 16.0);
   for (int level = 0; level < cube.levels(); ++level) {
-    const Panorama place{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
+    const Panorama panorama{gap + level % kInARow * (2 * height + gap), gap + level / kInARow * (height + gap), height};
     const double roughness = mips[static_cast<std::size_t>(level)].roughness;
     if (roughness == 0.0 && light.background) {  // finer than the image
       const CubeLookup sharp(*light.background);
-      draw_panorama(image, sharp, nearest_level(sharp, place), tone_map, place, control);
+      draw_panorama(image, sharp, nearest_level(sharp, panorama), tone_map, panorama, control);
     } else {
-      draw_panorama(image, cube, level, tone_map, place, control);
+      draw_panorama(image, cube, level, tone_map, panorama, control);
     }
     const std::string label = "MIP " + std::to_string(level) + "  ROUGHNESS " + significant(roughness, 2);
-    image.write(label, place.left + letters + 0.5 * label_width(label, letters),
-                place.top + place.height - 1.2 * letters, letters);
+    image.write(label, panorama.left + letters + 0.5 * label_width(label, letters),
+                panorama.top + panorama.height - 1.2 * letters, letters);
   }
   return image;
 }
 
-/// What the spheres of a row are made of.
+/// The material of a row of spheres.
 struct PreviewMaterial {
   const char* name;           ///< in capitals
   glm::dvec3 f0;              ///< reflectance at normal incidence, linear Rec. 709
@@ -121,10 +121,10 @@ constexpr std::array<PreviewMaterial, 2> kMaterials = {
 /// Roughness of the spheres of each row, from left to right.
 constexpr std::array kRoughness = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
 
-/// The share of even light that a surface of one roughness reflects without the light entering it, by N.V.
+/// The fraction of uniform light that the specular lobe of one roughness reflects, by N.V.
 class SpecularAlbedo {
  public:
-  /// Without a table it is f0.
+  /// Without a table the result is f0.
   SpecularAlbedo(const PreviewMaterial& material, double roughness, const BrdfTable* table) {
     if (table == nullptr) {
       columns_.emplace_back(material.f0);
@@ -143,7 +143,7 @@ class SpecularAlbedo {
     }
   }
 
-  /// Linear between the centres of the table's columns.
+  /// Interpolates linearly between the centres of the table's columns.
   [[nodiscard]] glm::vec3 at(float cosine) const {
     const auto width = static_cast<float>(columns_.size());
     const float x = std::clamp(cosine * width - 0.5F, 0.0F, width - 1.0F);
@@ -163,12 +163,12 @@ class SpecularAlbedo {
   std::vector<glm::vec3> columns_;
 };
 
-/// What the spheres are lit by.
+/// The light on the spheres.
 class Light {
  public:
   Light(const BakeResult& light, int sphere) : light_(light), specular_(light.specular->cubemap), sphere_(sphere) {
     for (const MipRecord& mip : light.specular->mips) {
-      if (!table_.empty() && mip.roughness <= table_.back()) break;  // several mips of one roughness: the first will do
+      if (!table_.empty() && mip.roughness <= table_.back()) break;  // the first of several with one roughness suffices
       table_.push_back(mip.roughness);
     }
     if (light.irradiance) irradiance_.emplace(std::vector<CubemapView>{light.irradiance->view()});
@@ -182,23 +182,23 @@ class Light {
 
   [[nodiscard]] const BrdfTable* brdf() const noexcept { return light_.brdf.get(); }
 
-  /// What a sphere reflects at `normal`, before its material takes a share. The viewer is towards +z, so that N.V is
-  /// the normal's z. `mip`: of the roughness. Mips are looked up by roughness, as a shader does it. Mip 0 is not
-  /// blurred, and near a sphere's rim a pixel reflects many of its texels; their mean comes from the background's plain
-  /// mips. Reflected directions turn twice as fast as normals, and these turn along the radius by 1 / cosine of the
-  /// radius' own change.
+  /// Returns the radiance that a sphere reflects at `normal`, before its material scales it. The viewer is towards +z,
+  /// so that N.V is the normal's z. `mip`: of the roughness. Mips are looked up by roughness, as a shader does it. Mip
+  /// 0 is not blurred, and near a sphere's rim a pixel reflects many of its texels; their mean comes from the
+  /// background's plain mips. Reflected directions rotate twice as fast as normals, which along the radius rotate 1 /
+  /// cosine times as fast as the radius changes.
   [[nodiscard]] glm::vec3 reflection(const glm::vec3& normal, double mip) const {
     const glm::vec3 direction = 2.0F * normal.z * normal - glm::vec3(0.0F, 0.0F, 1.0F);
     if (mip >= 1.0 || !sharp_) return specular_.at(direction, mip);
     const float pixel =
-        4.0F / (static_cast<float>(sphere_) * std::sqrt(std::max(normal.z, 0.02F)));  // mean of both ways
+        4.0F / (static_cast<float>(sphere_) * std::sqrt(std::max(normal.z, 0.02F)));  // geometric mean of both axes
     const glm::vec3 sharp = sharp_->at(direction, sharp_->level_for(pixel));
     if (mip == 0.0) return sharp;
     const auto blurred = static_cast<float>(mip);
     return (1.0F - blurred) * sharp + blurred * specular_.at(direction, 1);
   }
 
-  /// Radiance of a sphere's point. `reflected`: of `reflection` there.
+  /// Returns the radiance of a sphere's point. `reflected`: `reflection` there.
   [[nodiscard]] glm::vec3 sphere(const PreviewMaterial& material, const SpecularAlbedo& albedo, const glm::vec3& normal,
                                  const glm::vec3& reflected) const {
     const glm::vec3 share = albedo.at(normal.z);
@@ -217,7 +217,7 @@ class Light {
   int sphere_;
 };
 
-/// Where spheres and labels stand, in pixels.
+/// The positions of spheres and labels, in pixels.
 struct Grid {
   int sphere;
 
@@ -233,18 +233,18 @@ struct Grid {
 struct Sphere {
   const PreviewMaterial& material;
   SpecularAlbedo albedo;
-  int top;  ///< the image's row in which row 0 of the sphere's cell lies
+  int top;  ///< image row of row 0 of the sphere's cell
 };
 
-/// Spheres of one roughness, one below the other: they reflect the same, of which each material takes its share.
+/// A column of spheres of one roughness: all reflect the same radiance, which each material scales.
 struct SphereColumn {
   double mip;         ///< of the roughness
-  glm::dvec2 centre;  ///< of the first one, and so of each in its cell
+  glm::dvec2 centre;  ///< of the first sphere, and of each in its cell
   double radius;
   std::vector<Sphere> spheres;
 };
 
-/// The pixels of one row that the spheres of a column cover, some only in part: an edge is as soft as a pixel.
+/// Draws the pixels of one row that the spheres of a column cover, some only in part: an edge is as soft as a pixel.
 void draw_row(PreviewImage& image, const SphereColumn& column, const Light& light, const ToneMap& tone_map, int row) {
   const double down = row + 0.5 - column.centre.y;
   const double reach = column.radius + 0.5;
@@ -257,7 +257,7 @@ void draw_row(PreviewImage& image, const SphereColumn& column, const Light& ligh
     const double away = std::sqrt(across * across + down * down);
     const double covered = std::clamp(column.radius - away + 0.5, 0.0, 1.0);
     if (covered == 0.0) continue;
-    // A pixel that the rim crosses shows what is seen just inside of it.
+    // A pixel that the rim crosses shows the light just inside of it.
     const double inside = std::min(1.0, (column.radius - 0.25) / std::max(away, 1e-9));
     const double u = across * inside / column.radius;
     const double v = -down * inside / column.radius;
@@ -270,14 +270,15 @@ void draw_row(PreviewImage& image, const SphereColumn& column, const Light& ligh
   }
 }
 
-/// Rows of spheres on a dark ground: a material a row, a roughness a column, both written beside them. The viewer looks
-/// along -z from far away: +x is to the right, and the spheres mirror what is behind the viewer, the lat-long's centre.
+/// Draws spheres on a dark ground: one material per row, one roughness per column, both in labels. The viewer looks
+/// along -z from far away: +x is to the right, and the spheres mirror the space behind the viewer, the lat-long's
+/// centre.
 ///
 /// A sphere shows specular(reflection, mip of its roughness) times A = f0 scale + bias from the BRDF table (f0 alone
 /// without a table), and if it is no metal also (1 - A) albedo irradiance(normal) / pi. Without an irradiance cubemap
-/// there are metals alone. `light` must have its specular chain; its background, if there is one, stands in for a sharp
-/// mip 0 where the image is coarser than that. `sphere`: pixels across one; they lie 9/8 of that apart, and the
-/// labels take another 1/8 above and a half on the left.
+/// there are only metals. `light` must have its specular chain; its background, if there is one, replaces a sharp mip 0
+/// that is coarser than the image. `sphere`: diameter in pixels; the pitch is 9/8 of it, and the labels take another
+/// 1/8 below.
 PreviewImage preview_spheres(const BakeResult& light, const ToneMap& tone_map, int sphere, const Control& control) {
   const Light lit(light, sphere);
   const Grid grid{sphere};
@@ -339,7 +340,7 @@ std::vector<WrittenPreview> write_previews(const BakeResult& light, const Previe
     add("preview_mips.png", "the specular mips as lat-longs, sharpest first",
         [&] { return preview_mips(light, options.tone_map, kMipHeight, control); });
   }
-  // Side by side: while one is packed, another is drawn.
+  // Concurrently: while one is packed, another is drawn.
   std::vector<WrittenPreview> images(work.size());
   const jobs::Placement where = jobs::Placement::arena;
   jobs::run_tiles(work.size(), where, jobs::worker_count(where), {control.stop, {}},

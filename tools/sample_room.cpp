@@ -22,7 +22,7 @@ using glm::dvec3;
 
 constexpr double kPi = 3.14159265358979323846;
 
-// The scene: metres, y up, the viewer at kEye. Everything is a box along the axes; colours are linear.
+// The scene: metres, y up, the viewer at kEye. All objects are boxes along the axes; colours are linear.
 
 enum class Pattern { plain, planks, rug, books, painting };
 
@@ -30,14 +30,14 @@ struct Box {
   dvec3 low;
   dvec3 high;
   dvec3 albedo;
-  dvec3 glow{0.0};  ///< radiance of what shines by itself
+  dvec3 glow{0.0};  ///< emitted radiance
   Pattern pattern = Pattern::plain;
 };
 
 bool shines(const Box& box) { return box.glow.x > 0.0; }
 
 const dvec3 kEye(0.0, 1.5, 0.0);
-// Light is kept where a point is in here: the room, and the recess of its window.
+// Light is stored for points inside these bounds: the room, and the recess of its window.
 const dvec3 kRoomLow(-3.0, 0.0, -2.6);
 const dvec3 kRoomHigh(3.25, 2.8, 3.5);
 // The window: y and z of its opening, and the middle of the wall that it is in.
@@ -54,7 +54,7 @@ const dvec3 kBulb(85.0, 64.0, 40.0);
 
 std::vector<Box> scene() {
   std::vector<Box> boxes{
-      // The shell; its +x wall is what is left around the window.
+      // The shell; its +x wall surrounds the window.
       {{-3.2, -0.2, -2.8}, {3.25, 0.0, 3.7}, kWood, {}, Pattern::planks},
       {{-3.2, 2.8, -2.8}, {3.25, 3.0, 3.7}, {0.84, 0.83, 0.81}},
       {{-3.2, 0.0, 3.5}, {3.25, 2.8, 3.7}, kTeal},
@@ -128,7 +128,7 @@ std::vector<Box> scene() {
   return boxes;
 }
 
-/// Evenly spread in [0, 1), the same for the same number.
+/// Returns a hash of the number that is uniform in [0, 1).
 double scattered(std::uint32_t number) {
   number = (number ^ (number >> 16U)) * 0x7feb352dU;
   number = (number ^ (number >> 15U)) * 0x846ca68bU;
@@ -140,29 +140,29 @@ double cell_noise(double a, double b) {
   return scattered(whole(a) * 8191U + whole(b));
 }
 
-/// The colour at a place on a box, whose mean over the box is about its albedo.
-dvec3 albedo_at(const Box& box, const dvec3& place) {
+/// Returns the colour of a point on a box, whose mean over the box is about its albedo.
+dvec3 albedo_at(const Box& box, const dvec3& point) {
   switch (box.pattern) {
     case Pattern::plain: break;
     case Pattern::planks: {
-      const double across = place.x / 0.16;
-      const double along = place.z / 1.3 + scattered(static_cast<std::uint32_t>(std::floor(across) + 64.0));
+      const double across = point.x / 0.16;
+      const double along = point.z / 1.3 + scattered(static_cast<std::uint32_t>(std::floor(across) + 64.0));
       const bool gap = across - std::floor(across) < 0.04 || along - std::floor(along) < 0.006;
       return box.albedo * (gap ? 0.35 : 0.75 + 0.5 * cell_noise(across, along));
     }
     case Pattern::rug: {
-      const dvec3 off = glm::abs(place - 0.5 * (box.low + box.high));
+      const dvec3 off = glm::abs(point - 0.5 * (box.low + box.high));
       const double edge = std::min(0.5 * (box.high.x - box.low.x) - off.x, 0.5 * (box.high.z - box.low.z) - off.z);
       if (edge < 0.08 || (edge > 0.16 && edge < 0.20)) return kTeal;
       const double diamond = off.x / 0.5 + off.z / 0.36;
       return diamond - std::floor(diamond) < 0.25 ? kTerracotta : box.albedo * 1.15;
     }
     case Pattern::books: {
-      const double shelf = place.y / 0.358;
+      const double shelf = point.y / 0.358;
       const double up = (shelf - std::floor(shelf)) * 0.358;
-      const double spine = place.z / 0.045;
+      const double spine = point.z / 0.045;
       const double tall = 0.20 + 0.11 * cell_noise(spine, shelf);
-      if (up < 0.03 || place.x < box.high.x - 1e-3) return box.albedo;
+      if (up < 0.03 || point.x < box.high.x - 1e-3) return box.albedo;
       if (up > 0.03 + tall || cell_noise(spine / 7.0, shelf + 50.0) < 0.12) return kDark;
       constexpr std::array<std::array<double, 3>, 6> kSpines{{{0.42, 0.10, 0.07},
                                                               {0.08, 0.17, 0.30},
@@ -174,8 +174,8 @@ dvec3 albedo_at(const Box& box, const dvec3& place) {
       return {colour[0], colour[1], colour[2]};
     }
     case Pattern::painting: {  // hills under a round sun
-      const double x = place.x / 0.85;
-      const double y = (place.y - 1.80) / 0.45;
+      const double x = point.x / 0.85;
+      const double y = (point.y - 1.80) / 0.45;
       const double sun = (x + 0.3) * (x + 0.3) * 3.6 + (y - 0.25) * (y - 0.25);
       if (y < -0.55 - 0.25 * (x - 0.5) * (x - 0.5)) return kTeal * 0.6;
       if (y < -0.15 - 0.5 * (x + 0.4) * (x + 0.4)) return kTerracotta * 0.9;
@@ -215,7 +215,7 @@ dvec3 sky(const dvec3& unit) {
 // Rays.
 
 constexpr double kFar = 1e9;
-constexpr double kOff = 1e-4;  // by how much rays begin before the surface that they leave
+constexpr double kOff = 1e-4;  // distance of a ray's origin from its surface
 
 struct Hit {
   double distance = kFar;
@@ -223,7 +223,7 @@ struct Hit {
   int axis = 0;              ///< of the face that was hit
 };
 
-/// Where a ray enters a box and by which axis: `kFar` if it passes by, 0 from inside.
+/// Returns the distance at which a ray enters a box, and the axis of that face: `kFar` if it passes by, 0 from inside.
 Hit entered(const Box& box, const dvec3& from, const dvec3& inverse) {
   const dvec3 a = (box.low - from) * inverse;
   const dvec3 b = (box.high - from) * inverse;
@@ -257,32 +257,32 @@ bool is_free(const std::vector<Box>& boxes, const dvec3& from, const dvec3& unit
                       [&](const Box& box) { return !shines(box) && entered(box, from, inverse).distance < distance; });
 }
 
-// Light on surfaces, kept for squares.
+// Light on surfaces, stored per square.
 
 struct Face {
-  std::size_t first = 0;  ///< of its squares
+  std::size_t first = 0;  ///< index of its first square
   int columns = 0;
   int rows = 0;
 };
 
 struct Square {
-  dvec3 place;  ///< just before the surface
+  dvec3 point;  ///< just in front of the surface
   dvec3 normal;
-  int set = 0;             ///< of directions, 0 to 8: all nine lie in three by three squares
-  bool is_inside = false;  ///< else it is on the outside of the house
+  int set = 0;             ///< index of its set of directions, 0 to 8: three by three squares have all nine
+  bool is_inside = false;  ///< false: on the outside of the house
 };
 
-/// A face of a box: of -x +x -y +y -z +z.
+/// A face of a box, in the order -x +x -y +y -z +z.
 struct Side {
   explicit Side(int face) : axis(face / 2), u((axis + 1) % 3), v((axis + 2) % 3), is_high(face % 2 == 1) {
     normal[axis] = is_high ? 1.0 : -1.0;
   }
-  /// A place on it: (across, down) from 0 to 1.
+  /// Returns a point on it: (across, down) from 0 to 1.
   [[nodiscard]] dvec3 at(const Box& box, double across, double down) const {
-    dvec3 place(is_high ? box.high : box.low);
-    place[u] = glm::mix(box.low[u], box.high[u], across);
-    place[v] = glm::mix(box.low[v], box.high[v], down);
-    return place;
+    dvec3 point(is_high ? box.high : box.low);
+    point[u] = glm::mix(box.low[u], box.high[u], across);
+    point[v] = glm::mix(box.low[v], box.high[v], down);
+    return point;
   }
 
   int axis, u, v;
@@ -300,7 +300,7 @@ class LitRoom {
     std::vector<dvec3> sun(squares_.size());
     each_square(jobs::part_of(control, 0.0, 0.4), [&](std::size_t k) {
       soft_[k] = from_lamps(squares_[k]) + from_window(squares_[k]);
-      sun[k] = sun_on(squares_[k].place, squares_[k].normal);
+      sun[k] = sun_on(squares_[k].point, squares_[k].normal);
     });
     constexpr int kReflections = 3;
     const std::vector<dvec3> direct = soft_;
@@ -314,14 +314,14 @@ class LitRoom {
     }
   }
 
-  /// Radiance that arrives at the eye.
+  /// Returns the radiance that arrives at the eye.
   [[nodiscard]] dvec3 seen(const dvec3& unit) const {
     const Hit hit = traced(boxes_, kEye, unit);
     if (hit.box == nullptr) return sky(unit);
     if (shines(*hit.box)) return hit.box->glow;
-    const dvec3 place = kEye + hit.distance * unit;
+    const dvec3 point = kEye + hit.distance * unit;
     const Side side(2 * hit.axis + (unit[hit.axis] > 0.0 ? 0 : 1));
-    return albedo_at(*hit.box, place) * (soft_at(hit, place, side) + sun_on(place + kOff * side.normal, side.normal)) /
+    return albedo_at(*hit.box, point) * (soft_at(hit, point, side) + sun_on(point + kOff * side.normal, side.normal)) /
            kPi;
   }
 
@@ -332,9 +332,9 @@ class LitRoom {
                     static_cast<int>(std::ceil(size[side.v] / square_m_))};
     for (int k = 0; k < face.columns * face.rows; ++k) {
       const int column = k % face.columns, row = k / face.columns;
-      const dvec3 place = side.at(box, (column + 0.5) / face.columns, (row + 0.5) / face.rows) + kOff * side.normal;
-      const bool is_inside = glm::all(glm::greaterThan(place, kRoomLow)) && glm::all(glm::lessThan(place, kRoomHigh));
-      squares_.push_back({place, side.normal, row % 3 * 3 + column % 3, is_inside});
+      const dvec3 point = side.at(box, (column + 0.5) / face.columns, (row + 0.5) / face.rows) + kOff * side.normal;
+      const bool is_inside = glm::all(glm::greaterThan(point, kRoomLow)) && glm::all(glm::lessThan(point, kRoomHigh));
+      squares_.push_back({point, side.normal, row % 3 * 3 + column % 3, is_inside});
     }
     faces_.push_back(face);
   }
@@ -352,16 +352,16 @@ class LitRoom {
                     });
   }
 
-  /// What a patch of light adds to a square's irradiance, per radiance. `unit`: the direction to it.
+  /// Returns the irradiance of a square by a patch of light, per radiance. `unit`: the direction to it.
   [[nodiscard]] double share_of(const Square& square, const dvec3& patch, const dvec3& normal, double area,
                                 dvec3& unit) const {
-    const dvec3 path = patch - square.place;
+    const dvec3 path = patch - square.point;
     const double squared = glm::dot(path, path);
     const double distance = std::sqrt(squared);
     unit = path / distance;
     const double cosines = std::max(0.0, glm::dot(unit, square.normal)) * std::max(0.0, -glm::dot(unit, normal));
-    if (cosines <= 0.0 || !is_free(boxes_, square.place, unit, distance - kOff)) return 0.0;
-    return cosines * area / (squared + area / kPi);  // bounded, close to a patch
+    if (cosines <= 0.0 || !is_free(boxes_, square.point, unit, distance - kOff)) return 0.0;
+    return cosines * area / (squared + area / kPi);  // bounded close to a patch
   }
 
   [[nodiscard]] dvec3 from_lamps(const Square& square) const {
@@ -398,12 +398,12 @@ class LitRoom {
     return sum;
   }
 
-  [[nodiscard]] dvec3 sun_on(const dvec3& place, const dvec3& normal) const {
+  [[nodiscard]] dvec3 sun_on(const dvec3& point, const dvec3& normal) const {
     const double cosine = glm::dot(normal, kSun);
-    return cosine > 0.0 && is_free(boxes_, place, kSun, kFar) ? kSunIrradiance * cosine : dvec3(0.0);
+    return cosine > 0.0 && is_free(boxes_, point, kSun, kFar) ? kSunIrradiance * cosine : dvec3(0.0);
   }
 
-  /// The light that surfaces reflect to a square.
+  /// Returns the light that surfaces reflect to a square.
   [[nodiscard]] dvec3 gather(const Square& square) const {
     constexpr int kDirections = 32;
     const int axis = square.normal.x != 0.0 ? 0 : square.normal.y != 0.0 ? 1 : 2;
@@ -415,15 +415,15 @@ class LitRoom {
       unit[axis] = square.normal[axis] * std::sqrt(1.0 - out);
       unit[(axis + 1) % 3] = std::sqrt(out) * turn.cosine;
       unit[(axis + 2) % 3] = std::sqrt(out) * turn.sine;
-      const Hit hit = traced(boxes_, square.place, unit);
+      const Hit hit = traced(boxes_, square.point, unit);
       if (hit.box == nullptr || hit.distance <= 0.0) continue;
       const Side side(2 * hit.axis + (unit[hit.axis] > 0.0 ? 0 : 1));
-      sum += hit.box->albedo * soft_at(hit, square.place + hit.distance * unit, side);
+      sum += hit.box->albedo * soft_at(hit, square.point + hit.distance * unit, side);
     }
     return sum / static_cast<double>(kDirections);
   }
 
-  /// Adds to a face's squares the mean over three by three of them.
+  /// Adds the mean over three by three squares to each square of a face.
   void add_means(const Face& face, const std::vector<dvec3>& gathered) {
     for (int k = 0; k < face.columns * face.rows; ++k) {
       dvec3 sum(0.0);
@@ -433,17 +433,17 @@ class LitRoom {
     }
   }
 
-  /// Of a square; outside of the face that of the nearest.
+  /// Returns the index of a square; outside of the face that of the nearest.
   static std::size_t index(const Face& face, int column, int row) {
     return face.first + static_cast<std::size_t>(std::clamp(row, 0, face.rows - 1) * face.columns +
                                                  std::clamp(column, 0, face.columns - 1));
   }
 
-  /// Between the four nearest squares.
-  [[nodiscard]] dvec3 soft_at(const Hit& hit, const dvec3& place, const Side& side) const {
+  /// Interpolates between the four nearest squares.
+  [[nodiscard]] dvec3 soft_at(const Hit& hit, const dvec3& point, const Side& side) const {
     const auto box = static_cast<std::size_t>(hit.box - boxes_.data());
     const Face& face = faces_[6 * box + 2 * static_cast<std::size_t>(side.axis) + (side.is_high ? 1 : 0)];
-    const dvec3 share = (place - hit.box->low) / (hit.box->high - hit.box->low);
+    const dvec3 share = (point - hit.box->low) / (hit.box->high - hit.box->low);
     const double x = share[side.u] * face.columns - 0.5, y = share[side.v] * face.rows - 0.5;
     const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
     const auto at = [&](int column, int row) { return soft_[index(face, left + column, top + row)]; };
@@ -452,16 +452,16 @@ class LitRoom {
 
   std::vector<Box> boxes_;
   double square_m_;          ///< the longest edge of a square
-  std::vector<Face> faces_;  ///< six a box
+  std::vector<Face> faces_;  ///< six per box
   std::vector<Square> squares_;
-  std::vector<dvec3> soft_;  ///< irradiance of squares: of all but the sun's own light, once the room is lit
+  std::vector<dvec3> soft_;  ///< irradiance of squares: in the lit room all except direct sunlight
 };
 
 }  // namespace
 
 LatLongImage sample_room(int width, int height, const Control& control) {
   image::check_lat_long_size(width, height);
-  constexpr double kLit = 0.6;                                 // share of the time
+  constexpr double kLit = 0.6;                                 // fraction of the progress
   const double square_m = std::clamp(20.0 / width, 0.1, 0.3);  // finer than texels show
   const LitRoom room(square_m, jobs::part_of(control, 0.0, kLit));
   LatLongImage image{

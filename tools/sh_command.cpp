@@ -40,7 +40,7 @@ void add_sh_options(Options& table, ShOptions& options) {
   add_pixel_options(table, options.projection.pixels, options.clamp);
   add_window_options(table, options);
   in_group(table, "Harmonics");
-  add_sun_options(table, options.sun, {"--gamma"});  // it is looked for in radiance, before pixels are decoded
+  add_sun_options(table, options.sun, {"--gamma"});  // the search needs radiance, before pixels are decoded
   add_option(table, "--irradiance-error", &options.irradiance_error, "",
              "Compare the irradiance of 1 to N bands with direct cosine integration (takes seconds)",
              {.group = "Harmonics"});
@@ -49,16 +49,16 @@ void add_sh_options(Options& table, ShOptions& options) {
   add_cache_option(table, options.common);
 }
 
-constexpr double kComputed = 0.8;  // of the progress, where the sky is computed first
+constexpr double kComputed = 0.8;  // of the progress, if the sky is computed first
 
-// What `project` would put in an infinity's place.
+// Returns the value with which `project` would replace an infinity.
 float infinity_of(const PixelPolicy& pixels) { return pixels.clamp ? pixels.clamp->maximum : kForInfinity; }
 
-// Takes the sun out, if asked for, and projects what is left; measures the irradiance's error on the way.
+// Extracts the sun, if selected, and projects the remaining light; measures the irradiance's error in between.
 void project_pixels(Pixels& pixels, const ShOptions& options, const Control& control, ShReport& report) {
   std::uint64_t infinities = 0;
   if (options.sun.take_out) {
-    // A sun that overflowed would not be found.
+    // A sun that overflowed would be missed.
     if (options.projection.pixels.infinity == NonFinitePolicy::replace) {
       infinities = replace_infinities(pixels, infinity_of(options.projection.pixels));
     }
@@ -79,7 +79,7 @@ void project_pixels(Pixels& pixels, const ShOptions& options, const Control& con
   }
 }
 
-// Copied from the environment as it was read, so that it is held twice for a moment.
+// Throws if the environment, held twice while it is copied, would exceed the memory limit.
 void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) {
   const bool is_cross = info.layout == Layout::horizontal_cross || info.layout == Layout::vertical_cross;
   const std::uint64_t texels = static_cast<std::uint64_t>(info.width) * static_cast<std::uint64_t>(info.height);
@@ -94,7 +94,7 @@ void require_memory_twice(const EnvironmentInfo& info, const ReadOptions& read) 
 
 bool is_cubemap(const EnvironmentInfo& info) { return info.layout != Layout::lat_long; }
 
-// Fills in source, projection, sun; says whether the source was a cubemap.
+// Adds source, projection and sun to the report. Returns whether the source was a cubemap.
 bool project_source(const ShOptions& options, const Control& control, ShReport& report) {
   const bool in_memory = options.sun.take_out || options.irradiance_error;
   if (!options.input) {
@@ -121,7 +121,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   const EnvironmentInfo info = inspect_environment(input, read);
   report.source = source_of(*options.input, info);
   with_cache(options.common, report.source.notes, [&](ResultCache* cache) {
-    const bool keeps = cache != nullptr && !is_stream(*options.input);  // the cache knows files by their paths
+    const bool keeps = cache != nullptr && !is_stream(*options.input);  // the cache identifies files by their paths
     report.projection = keeps
                             ? cache->project_file(platform::path_of(*options.input), read, options.projection, control)
                             : project_file(input, read, options.projection, control);
@@ -129,7 +129,7 @@ bool project_source(const ShOptions& options, const Control& control, ShReport& 
   return is_cubemap(info);
 }
 
-/// Reads, projects, turns, windows. Throws what the library throws.
+/// Reads, projects, rotates and windows. Throws the library's errors.
 ShReport measure_sh(const ShOptions& options, const Control& control) {
   ShReport report;
   report.options = options.projection;
@@ -193,7 +193,7 @@ void complete(ShReport& report, const ShOptions& options, bool is_of_cubemap) {
     radiance = rotate(radiance, matrix);
     if (report.sun) report.sun->direction = matrix * report.sun->direction;
   }
-  report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that it is fitted to
+  report.dominant = dominant_light(radiance);  // of the light itself: a window damps the bands that determine it
   report.windowed = apply_window(radiance, options.window, options.window_width);
   radiance = report.windowed.radiance;
   report.irradiance = irradiance_from_radiance(radiance);

@@ -1,4 +1,4 @@
-// Harmonics in the forms that `welkin sh` prints.
+// The forms of harmonics that `welkin sh` prints.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -18,7 +18,7 @@
 
 namespace welkin::tool {
 
-// For a person: plain ASCII, in 80 columns but for the reasons that the library gives.
+// For a person: plain ASCII, in 80 columns except for reasons from the library.
 
 namespace {
 
@@ -27,8 +27,8 @@ constexpr std::size_t kNumberWidth = 10;
 constexpr std::size_t kPassWidth = 10;
 constexpr int kNamedBands = 4;
 
-/// The polynomial in (x, y, z) that Y(l, m) is a multiple of; for higher bands the Legendre function of z
-/// and the wave around the z axis (p = atan2(y, x)) whose product it is.
+/// The polynomial in (x, y, z) to which Y(l, m) is proportional; for higher bands the Legendre function of z and the
+/// wave around the z axis (p = atan2(y, x)) whose product it is.
 std::string harmonic_name(int l, int m) {
   constexpr std::array<std::string_view, kNamedBands* kNamedBands> kPolynomials = {
       "1",                                                          //
@@ -89,7 +89,7 @@ std::string source_lines(const ShReport& report) {
   return text;
 }
 
-/// The text's lines, each behind `prefix`.
+/// Returns the text's lines, each after `prefix`.
 std::string prefixed(const std::string& prefix, const std::string& text) {
   return prefix + replaced(text, "\n", "\n" + prefix) + '\n';
 }
@@ -126,14 +126,14 @@ std::string no_form_lines(const ShReport& report) {
 
 std::string window_lines(const ShReport& report) {
   const WindowResult& windowed = report.windowed;
-  const std::string least = "\nMinimum irradiance over all normals  ";
+  const std::string heading = "\nMinimum irradiance over all normals  ";
   if (report.window == Window::none) {
     const glm::dvec3& value = windowed.minimum_before;
     const bool negative = value.x < 0.0 || value.y < 0.0 || value.z < 0.0;
-    return least + significant(value) +
+    return heading + significant(value) +
            (negative ? "\n  negative, because few bands ring; --window min-laplacian avoids that" : "") + '\n';
   }
-  std::string text = least + significant(windowed.minimum_before) + " before the window,\n  " +
+  std::string text = heading + significant(windowed.minimum_before) + " before the window,\n  " +
                      significant(windowed.minimum_after) + " after it (" + name(report.window) + ", " +
                      (report.window == Window::min_laplacian ? "lambda " : "width ") + significant(windowed.parameter) +
                      "; bands times";
@@ -282,7 +282,7 @@ Json engine_json(const EngineLight& light) {
   return json;
 }
 
-/// All engines' forms; each says which axes it is in.
+/// Returns all engines' forms, each with its axes.
 Json engines_json(const std::vector<EngineLight>& lights) {
   Json list = Json::array();
   for (const EngineLight& light : lights) {
@@ -335,7 +335,7 @@ std::string sh_json(const ShReport& report) {
   return json_text(json);
 }
 
-// One line a coefficient, every digit, remarks behind #. For awk, spreadsheets and people.
+// One line per coefficient, all digits, remarks after #. For awk, spreadsheets and people.
 
 namespace {
 
@@ -398,7 +398,7 @@ std::string sh_text(const ShReport& report) {
 
 namespace {
 
-/// The file's stem as a C identifier: "city-at noon.exr" to "city_at_noon".
+/// Returns the file's stem as a C identifier: "city-at noon.exr" as "city_at_noon".
 std::string identifier(const std::string& path) {
   std::string name;
   for (const char c : platform::utf8(platform::path_of(path).stem())) {
@@ -408,7 +408,7 @@ std::string identifier(const std::string& path) {
   return name;
 }
 
-/// Shortest text that reads back as the same float, as a C constant. C has none for what is beyond all floats.
+/// Returns the shortest C constant that reads back as the same float. C has none for values beyond all floats.
 std::string float_constant(double value, const char* suffix = "f") {
   if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
     throw Error(ErrorCode::limit_exceeded,
@@ -428,7 +428,7 @@ std::string triple(const glm::dvec3& value, const char* suffix = "f") {
          float_constant(value.z, suffix);
 }
 
-/// Nothing in it can end the comment that it stands in.
+/// Returns the text with nothing that could end the comment around it.
 std::string in_comment(const std::string& text) { return replaced(text, "*/", "* /"); }
 
 std::string comment(const std::string& text) { return "/* " + replaced(in_comment(text), "\n", "\n * ") + " */\n"; }
@@ -482,7 +482,7 @@ std::string sun_arrays(const std::string& name, const Sun& sun) {
          array_start(name + "_sun", 2) + row(sun.direction, "direction") + row(sun.irradiance, "irradiance") + "};\n";
 }
 
-/// The arrays that a header of this name has.
+/// Returns the arrays of a header of this name.
 std::string arrays(const std::string& name, const ShReport& report) {
   std::string text = asks_for_form(report)
                          ? engine_array(name + '_' + convention(report.engine).name, *report.engine_light)

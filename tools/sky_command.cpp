@@ -32,7 +32,7 @@ namespace {
 
 enum class SweepView {
   fisheye,   ///< the sky above: zenith in the middle, horizon at the rim, the sun's azimuth up
-  panorama,  ///< half way round, the sun's azimuth in the middle, from a little below the horizon to the zenith
+  panorama,  ///< 180 degrees wide, the sun's azimuth in the middle, from a little below the horizon to the zenith
 };
 
 struct SweepOptions {
@@ -54,7 +54,7 @@ constexpr double kSweepTables = 0.5;  // of the progress
 constexpr double kCloseToHorizon = 6.0;
 constexpr glm::dvec3 kBackground(0.0);
 
-/// Eyes and cameras adapt to most of the change between noon and night, but not to all of it: exposure goes with that
+/// Eyes and cameras adapt to most of the change between noon and night, but not to all of it: exposure follows this
 /// power of the brightness.
 constexpr double kAdaptation = 0.85;
 constexpr double kNoonBrightness = 0.2;  ///< of the first tile, before the tone curve
@@ -65,7 +65,7 @@ struct Tile {
   ToneMap tone_map;
 };
 
-/// Where a point of a tile looks; y is negative for what lies outside of a round one.
+/// The directions of a tile's points; a round tile has none outside of its circle.
 class Lens {
  public:
   Lens(SweepView view, int size) : view_(view), size_(size) {}
@@ -74,9 +74,9 @@ class Lens {
     if (view_ == SweepView::fisheye) return size_;
     return static_cast<int>(std::lround(size_ * kPanoramaWidth / kPanoramaHeight));
   }
-  [[nodiscard]] int tiles_in_a_row() const { return view_ == SweepView::fisheye ? 8 : 4; }
+  [[nodiscard]] int tiles_per_row() const { return view_ == SweepView::fisheye ? 8 : 4; }
 
-  /// x to the right and y down, in pixels; false: it looks nowhere.
+  /// `x`: to the right, `y`: down, in pixels. Returns false if the point has no direction.
   [[nodiscard]] bool direction(double x, double y, glm::vec3& towards) const {
     if (view_ == SweepView::panorama) {
       const double azimuth = (0.5 - x / width()) * kPanoramaWidth * kDegree;
@@ -84,7 +84,7 @@ class Lens {
       towards = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation)};
       return true;
     }
-    // Lying on one's back, feet away from the sun: its azimuth is up, +x to the left.
+    // As seen lying down, feet away from the sun: its azimuth is up, +x to the left.
     const double u = 1.0 - 2.0 * x / size_;
     const double v = 1.0 - 2.0 * y / size_;
     const double radius = std::sqrt(u * u + v * v);
@@ -100,8 +100,8 @@ class Lens {
   int size_;
 };
 
-/// Mean luminance of the sky above the horizon. (One that leaves out what is bright, as the previews', would leave a
-/// dusk's glow white.)
+/// Returns the mean luminance of the sky above the horizon. (A mean without the brightest parts, as for the previews,
+/// would leave the glow of dusk white.)
 double brightness(const Sky& sky, const glm::dvec3& sun) {
   constexpr int kRows = 64;
   const LatLongImage around = sky_lat_long(sky.view, sun, kRows);
@@ -127,19 +127,19 @@ Tile tile_at(const Sky& sky, double elevation, double noon) {
   return tile;
 }
 
-/// Sine of the elevation at which the ground begins: below 0 from a height.
+/// Returns the sine of the elevation at which the ground begins: below 0 from a height.
 double horizon_sine(const SkyReport& report) {
   const double away = report.altitude_m / (report.atmosphere.bottom_radius_m + report.altitude_m);
   return -std::sqrt(away * (2.0 - away));  // 1 - (bottom / distance)^2, without cancellation
 }
 
-/// The sun's disc where its centre is no farther than its radius.
+/// Returns the sun's radiance in directions within its radius and above the horizon; else 0.
 glm::dvec3 disc(const Sun& sun, double horizon, const glm::dvec3& towards) {
   const double rim = std::cos(sun.angular_radius_degrees * kDegree);
   return towards.y > horizon && glm::dot(towards, sun.direction) > rim ? sun.radiance : glm::dvec3(0.0);
 }
 
-/// A row of pixels at a time: its directions in one call.
+/// Draws one row of pixels at a time, with all its directions in one call.
 void draw(const Sky& sky, const Tile& tile, const Lens& lens, int size, int left, int top, PreviewImage& image) {
   const Sun sun = sky.view.sun_light(tile.sun);
   const double horizon = horizon_sine(sky.report);
@@ -190,7 +190,7 @@ std::string head_lines(const Sky& sky, const SweepOptions& options) {
          pad_right("     horizon opposite", 33) + pad_right("     sun", 33) + "   exposure\n";
 }
 
-std::filesystem::path text_beside(const SweepOptions& options) {
+std::filesystem::path text_path(const SweepOptions& options) {
   return platform::path_of(options.path).replace_extension(".txt");
 }
 
@@ -200,13 +200,13 @@ void check(const SkyParameters& parameters, const SweepOptions& options) {
     throw Error(ErrorCode::invalid_argument, options.path + ": --sweep draws a PNG; give a name that ends with .png");
   }
   for (const std::optional<std::string>& read : {parameters.atmosphere.file, parameters.tables_file}) {
-    for (const std::filesystem::path& written : {path, text_beside(options)}) {
+    for (const std::filesystem::path& written : {path, text_path(options)}) {
       if (read) require_kept(*read, written, "--sweep", "give the image another name");
     }
   }
 }
 
-/// Sun elevations of the tiles, degrees to a tenth: closer together about the horizon, where the sky changes fast.
+/// Sun elevations of the tiles, degrees to a tenth: closer together near the horizon, where the sky changes fast.
 std::vector<double> sweep_elevations(const SweepOptions& options) {
   const double first = std::asinh(options.first_degrees / kCloseToHorizon);
   const double last = std::asinh(options.last_degrees / kCloseToHorizon);
@@ -218,8 +218,8 @@ std::vector<double> sweep_elevations(const SweepOptions& options) {
   return elevations;
 }
 
-/// Draws and writes the image, a PNG, and a text beside it that says of each tile where the sun stands and how bright
-/// the sky is; returns the text. Throws `Error`: file_access if one of them would be written over a file that is read.
+/// Draws and writes the image, a PNG, and a text next to it with the sun's elevation and the sky's brightness for each
+/// tile; returns the text. Throws `Error`: file_access if one of them would overwrite a file that is read.
 std::string write_sweep(const SkyParameters& parameters, const SweepOptions& options, const Control& control) {
   check(parameters, options);
   begin_stage("tables");
@@ -228,7 +228,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
   begin_stage("draw");
   const std::vector<double> elevations = sweep_elevations(options);
   const Lens lens(options.view, options.size);
-  const int columns = std::min(options.tiles, lens.tiles_in_a_row());
+  const int columns = std::min(options.tiles, lens.tiles_per_row());
   const int rows = (options.tiles + columns - 1) / columns;
   PreviewImage image(columns * (lens.width() + kGap) - kGap, rows * (options.size + kGap) - kGap,
                      glm::vec3(kBackground));
@@ -243,7 +243,7 @@ std::string write_sweep(const SkyParameters& parameters, const SweepOptions& opt
     if (drawing.progress) drawing.progress(static_cast<double>(i + 1) / static_cast<double>(elevations.size()));
   }
   image.save(platform::path_of(options.path));
-  write_text_file(text_beside(options), text);
+  write_text_file(text_path(options), text);
   return text;
 }
 
@@ -255,14 +255,14 @@ constexpr int kMaxOrders = 64;
 constexpr int kLargestImage = 16384;
 constexpr int kMaxTiles = 256;
 constexpr int kLargestTile = 2048;
-constexpr int kSkySize = 32;         // a sky is smooth: the prefilter's mips need no more
-constexpr int kSkyBackground = 128;  // as many texels round the horizon as the image has
+constexpr int kSkySize = 32;         // a sky is smooth: the prefilter needs no more for its mips
+constexpr int kSkyBackground = 128;  // as many texels around the horizon as the image
 
 struct SkyOptions {
   SkyParameters sky;
-  DatedSun dated;  ///< --date and what belongs to it
+  DatedSun dated;  ///< --date and its observer
   SkyHarmonicsOptions quadrature;
-  ShOptions sh;  ///< threads, memory, bands, window, whose axes, form of the result
+  ShOptions sh;  ///< threads, memory, bands, window, axes, form of the result
   bool print_atmosphere = false;
 
   bool wants_folder = false;  ///< -o
@@ -270,7 +270,7 @@ struct SkyOptions {
   int image_height = 256;
   bool sun_disc = false;
 
-  SweepOptions sweep;  ///< its path empty: no sweep
+  SweepOptions sweep;  ///< no sweep if its path is empty
 };
 
 void add_sun_place(Options& table, SkyOptions& options) {
@@ -357,7 +357,7 @@ void add_quadrature_options(Options& table, SkyHarmonicsOptions& options) {
              {.list = List::commas_or_spaces, .count = 2});
 }
 
-/// Options that make no sense together are refused rather than one of them ignored.
+/// Refuses contradictory options, none of which is silently ignored.
 void add_sweep_options(Options& table, SweepOptions& sweep) {
   constexpr const char* kSweep = "--sweep";
   add_option(table, kSweep, &sweep.path, "FILE.png",
@@ -417,7 +417,7 @@ void add_sky_options(Options& table, SkyOptions& options) {
   add_threads_option(table, options.sh.common);
 }
 
-/// What the options mean together; called once they are all read.
+/// Combines the options; called once all are read.
 void settle(SkyOptions& options, const Given& given) {
   SkyTableOptions& tables = options.sky.tables;
   tables.memory_limit_bytes = options.sh.common.read.memory_limit_bytes;
@@ -444,7 +444,7 @@ void settle(SkyOptions& options, const Given& given) {
 constexpr int kMaxZeniths = 128;
 constexpr int kMaxAzimuths = 256;
 
-/// What a quadrature of twice as many nodes each way says otherwise. Of the tables' own error it knows nothing.
+/// Compares with a quadrature of twice as many nodes in each angle. The tables' own error is not part of it.
 double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const SphericalHarmonics& radiance) {
   SkyHarmonicsOptions finer = options;
   finer.quadrature = SkyQuadrature::gauss_split;
@@ -453,9 +453,9 @@ double error_estimate(const Sky& sky, const SkyHarmonicsOptions& options, const 
   return relative_difference(radiance, SkyProjector(sky.view, finer).project(sky.sun));
 }
 
-/// Of the sky, and of sky and sun together.
+/// Adds the sums of the sky's light, and of sky and sun together.
 void describe_light(const Sky& sky, ShReport& report) {
-  const double sphere = std::sqrt(4.0 * std::numbers::pi);  // band 0 is the mean radiance times that
+  const double sphere = std::sqrt(4.0 * std::numbers::pi);  // band 0 is the mean radiance times this
   ProjectionDiagnostics& diagnostics = report.projection.diagnostics;
   diagnostics.total_radiance = sphere * report.projection.radiance.coefficients().front();
   diagnostics.total_radiance_before_clamp = diagnostics.total_radiance;
@@ -465,7 +465,7 @@ void describe_light(const Sky& sky, ShReport& report) {
   report.sun->total_radiance_before = diagnostics.total_radiance + report.sun->irradiance;
 }
 
-/// Makes or loads tables, projects the sky, turns it to the engine's axes, windows. Throws what the library throws.
+/// Makes or loads tables, projects the sky, rotates it to the engine's axes, windows. Throws the library's errors.
 ShReport measure_sky(const SkyOptions& options, const Control& control) {
   begin_stage("tables");
   const Sky sky = make_sky(options.sky, control);
@@ -488,7 +488,7 @@ ShReport measure_sky(const SkyOptions& options, const Control& control) {
   return report;
 }
 
-/// The sky as an image, and all else from that.
+/// Makes the sky's image and bakes everything from it.
 std::string bake_sky(const SkyOptions& options, const Control& control) {
   constexpr double kTables = 0.9;
   BakeCommandOptions bake = options.bake;

@@ -61,7 +61,7 @@ std::vector<Member> members_of(Atmosphere& air) {
           number("night_zenith_luminance", air.night_zenith_luminance)};
 }
 
-/// As `chosen_atmosphere` says.
+/// Throws the errors of `chosen_atmosphere`.
 Atmosphere read_atmosphere(const std::filesystem::path& path) {
   constexpr const char* kOneToBeginWith = "'welkin sky --print-atmosphere' writes one to begin with";
   try {
@@ -84,7 +84,7 @@ Json atmosphere_json(Atmosphere atmosphere) { return json_object(members_of(atmo
 
 namespace {
 
-// What the eye sees: 15 wavelengths, five times three. The red end that is left out holds less than 1 % of luminance.
+// The visible spectrum: 15 wavelengths, five times three. The omitted red end holds less than 1 % of luminance.
 constexpr double kShortest = 400.0;
 constexpr double kStep = 20.0;
 constexpr int kSamples = 15;
@@ -118,7 +118,7 @@ Atmosphere atmosphere_before_changes(const AtmosphereChoice& choice, SkyColour c
   return with_aerosol(earth(wavelengths, kind), aerosol);
 }
 
-/// Throws if something is chosen that a preset or file does not offer.
+/// Throws for choices that a preset or file does not offer.
 void check_choice(const AtmosphereChoice& choice) {
   const Air air = choice.preset.air;
   if (!choice.wavelengths_nm.empty() && (choice.file || air == Air::earth_hillaire || air == Air::mars)) {
@@ -264,10 +264,10 @@ Json sky_json(const SkyReport& report) {
 
 std::string sky_lines(const SkyReport& report) {
   const Atmosphere& air = report.atmosphere;
-  const auto [least, most] = air.ground_albedo.empty()
-                                 ? std::pair{0.0, 0.0}
-                                 : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
-                                             *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
+  const auto [minimum, maximum] =
+      air.ground_albedo.empty() ? std::pair{0.0, 0.0}
+                                : std::pair{*std::min_element(air.ground_albedo.begin(), air.ground_albedo.end()),
+                                            *std::max_element(air.ground_albedo.begin(), air.ground_albedo.end())};
   std::string text = "  " + printable(air.name) + "; sun " + sun_lookup(report.sun_elevation_degrees) + ", azimuth " +
                      significant(report.sun_azimuth_degrees) + "; altitude " + significant(report.altitude_m) + " m\n";
   if (report.dated) {
@@ -277,8 +277,8 @@ std::string sky_lines(const SkyReport& report) {
             " degrees from north through east" + (observer.refraction ? ", raised by refraction" : "") + '\n';
   }
   text += "  " + counted(static_cast<std::uint64_t>(report.orders), "order") + " of scattering, the last added " +
-          significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(least) +
-          (most > least ? " to " + significant(most) : "") + (report.ground ? "" : ", not seen") + '\n';
+          significant(100.0 * report.last_change, 2) + " %; ground albedo " + significant(minimum) +
+          (maximum > minimum ? " to " + significant(maximum) : "") + (report.ground ? "" : ", not seen") + '\n';
   text += "  tables " + size_text(report.tables) + ", " + name(report.tables.layout) + ", " +
           grouped(report.table_bytes >> 10U) + " KiB\n";
   text += "  r, g, b: " + sky_unit(report) + '\n';
@@ -287,22 +287,22 @@ std::string sky_lines(const SkyReport& report) {
 
 namespace {
 
-/// Tables of a sky: from a file if they fit, else made, and kept there.
+/// Tables of a sky: from a file if they match, else computed and saved there.
 struct ReadyTables {
   std::shared_ptr<const SkyTables> tables;
-  PassRecord pass;  ///< "reuse" or "run", and why
+  PassRecord pass;  ///< "reuse" or "run", with the reason
 };
 
-/// The limit bounds the work; it changes no table.
+/// Returns whether tables match. The memory limit bounds the work and changes no table.
 bool fit(const SkyTables& tables, const Atmosphere& atmosphere, const SkyTableOptions& options) {
   SkyTableOptions theirs = tables.options;
   theirs.memory_limit_bytes = options.memory_limit_bytes;
   return tables.atmosphere == atmosphere && theirs == options;
 }
 
-/// Without a file they are made. With one that is there, they are its if atmosphere and options are what is asked for;
-/// else they are made and saved over it. A file that holds no tables is left as it is, and an error: corrupt_file,
-/// unsupported_file. Throws what `precompute_sky`, `load_sky_tables` and `save_sky_tables` throw.
+/// Returns tables. Without a file they are computed. From an existing file they are loaded if its atmosphere and
+/// options match; else they are computed and saved over it. A file that holds no tables is kept, and is an error:
+/// corrupt_file, unsupported_file. Throws the errors of `precompute_sky`, `load_sky_tables` and `save_sky_tables`.
 ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& options,
                          const std::optional<std::string>& file, const Control& control) {
   const auto start = std::chrono::steady_clock::now();
@@ -329,7 +329,7 @@ ReadyTables ready_tables(const Atmosphere& atmosphere, const SkyTableOptions& op
 constexpr int kBuiltInHeight = 512;
 constexpr double kTables = 0.9;  // of the progress; the rest is the image
 
-/// Small tables: the command's first image shall not keep anybody waiting.
+/// Small tables, so that the command's first image is quick.
 SkyParameters built_in_parameters() {
   SkyParameters parameters;
   parameters.sun_azimuth_degrees = 25.0;

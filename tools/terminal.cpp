@@ -13,7 +13,7 @@
 namespace welkin::tool {
 namespace {
 
-constexpr auto kPatience = std::chrono::milliseconds(300);  // work that is over by then shows nothing
+constexpr auto kPatience = std::chrono::milliseconds(300);  // shorter work shows nothing
 constexpr auto kInterval = std::chrono::milliseconds(50);
 
 bool shows_colours(Stream stream) {
@@ -23,7 +23,7 @@ bool shows_colours(Stream stream) {
 
 Verbosity wanted_verbosity = Verbosity::normal;
 
-/// What the process is at.
+/// The current work of the process.
 struct Stage {
   std::string name;
   std::chrono::steady_clock::time_point start;
@@ -36,7 +36,7 @@ Stage& current_stage() {
   return stage;
 }
 
-/// Of the stage that is over.
+/// Prints the name and duration of the finished stage.
 void tell_stage() {
   const Stage& stage = current_stage();
   if (verbosity() != Verbosity::verbose || stage.name.empty()) return;
@@ -130,7 +130,7 @@ void ProgressBar::report(double share) {
             << std::flush;
 }
 
-/// By the time that the share took; nothing as long as that says little.
+/// Estimates from the time of the finished fraction; returns nothing while that is too small.
 std::string ProgressBar::time_left(double share) const {
   constexpr double kTelling = 0.02;
   if (share < kTelling) return "";

@@ -1,4 +1,4 @@
-// The process and its terminal by POSIX's calls.
+// The process and its terminal on POSIX.
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -28,13 +28,13 @@ bool is_terminal(Stream stream) {
 namespace {
 
 std::atomic<int> caught{0};
-std::array<int, 2> signal_pipe{-1, -1};  // a handler may write to one, and do little else
+std::array<int, 2> signal_pipe{-1, -1};  // a handler may write to a pipe, and do little else
 
 extern "C" void note_signal(int number) {
   const int before = errno;
   int none = 0;
   if (!caught.compare_exchange_strong(none, number)) {
-    std::signal(number, SIG_DFL);  // whoever asks twice does not want to wait
+    std::signal(number, SIG_DFL);  // a second signal does not wait
     static_cast<void>(std::raise(number));
   }
   const char byte = 0;
@@ -42,13 +42,13 @@ extern "C" void note_signal(int number) {
   errno = before;
 }
 
-/// A file has outgrown its limit: the write fails, which stops the work with an error that names the file.
+/// Notes that a file exceeded its limit: the write fails, which stops the work with an error that names the file.
 extern "C" void note_file_limit(int number) {
   int none = 0;
   caught.compare_exchange_strong(none, number);
 }
 
-/// Hands on to the stop source what a handler may not touch.
+/// Passes a signal on to the stop source, which a handler may not touch.
 void watch_pipe(stop_source source) {
   char byte = 0;
   while (read(signal_pipe[0], &byte, 1) < 0 && errno == EINTR) {
@@ -56,7 +56,7 @@ void watch_pipe(stop_source source) {
   source.request_stop();
 }
 
-/// Where there is no thread or pipe to watch, signals end the program as ever.
+/// Watches signals; without a thread or a pipe for that, signals end the program as usual.
 void watch_signals(const stop_source& source) {
   struct sigaction limited {};
   limited.sa_handler = note_file_limit;
@@ -101,7 +101,7 @@ std::vector<std::string> program_arguments(int count, char** words) { return {wo
 void reserve_standard_streams() noexcept {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0) continue;
-    // It gets the lowest number that is free, which is this one.
+    // It gets the lowest free number, which is this one.
     static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
   }
 }
@@ -129,7 +129,7 @@ std::size_t PipeEnd::read(std::span<std::byte> bytes) {
   const auto descriptor = static_cast<int>(file_);
   pollfd waited{descriptor, POLLIN, 0};
   for (;;) {
-    // A signal would not end a read that waits: who handles it goes on reading.
+    // A signal would not end a blocked read, which restarts after the handler.
     if (stop_on_signals().stop_requested()) throw Error(ErrorCode::cancelled, "stopped by a signal");
     if (poll(&waited, 1, kPatienceMilliseconds) <= 0) continue;
     const ssize_t count = ::read(descriptor, bytes.data(), bytes.size());
@@ -155,8 +155,8 @@ void become(const std::string& program, const std::vector<std::string>& argument
   words.push_back(nullptr);
   const std::filesystem::path folder = own_folder();
   if (!folder.empty()) execv((folder / program).c_str(), words.data());
-  const int beside = errno;
-  if (folder.empty() || beside == ENOENT) execvp(program.c_str(), words.data());
+  const int first_reason = errno;
+  if (folder.empty() || first_reason == ENOENT) execvp(program.c_str(), words.data());
   const int reason = errno;
   throw Error(ErrorCode::file_access,
               program + ": cannot be run (" + std::strerror(reason) +

@@ -1,4 +1,4 @@
-// The process and its terminal by Windows' calls.
+// The process and its terminal on Windows.
 #include <fcntl.h>
 #include <io.h>
 
@@ -25,13 +25,13 @@ HANDLE stream_handle(Stream stream) {
   return GetStdHandle(stream == Stream::output ? STD_OUTPUT_HANDLE : STD_ERROR_HANDLE);
 }
 
-/// Called in a thread of its own. Whoever asks twice does not want to wait: what is not handled ends the process.
+/// Called in its own thread. A second event does not wait: one that is not handled ends the process.
 BOOL WINAPI note_event(DWORD event) {
   const bool key = event == CTRL_C_EVENT || event == CTRL_BREAK_EVENT;
   int none = 0;
   if (!caught.compare_exchange_strong(none, key ? SIGINT : SIGTERM)) return FALSE;
   asked->request_stop();
-  // The end of this function is the end of a process whose window is closed: the work gets what time the system gives.
+  // A closed window's process ends when this function returns: the work gets the time that the system allows.
   if (!key) Sleep(INFINITE);
   return TRUE;
 }
@@ -41,7 +41,7 @@ BOOL WINAPI note_event(DWORD event) {
               pipe.value_or("standard input") + ": cannot be read (" + platform::system_message(GetLastError()) + ")");
 }
 
-/// How many bytes may be read without waiting; of what is no pipe, any number. Nothing: there will be no more.
+/// Returns the bytes that may be read without waiting; unlimited unless it is a pipe. Nothing: there are no more.
 std::optional<DWORD> wait_for_bytes(HANDLE file) {
   constexpr auto kPause = std::chrono::milliseconds(10);
   if (GetFileType(file) != FILE_TYPE_PIPE) return MAXDWORD;
@@ -54,13 +54,13 @@ std::optional<DWORD> wait_for_bytes(HANDLE file) {
   }
 }
 
-/// The words of a command line as the C library takes them apart: backslashes are themselves, but before a quotation
-/// mark two of them are one, and one more makes the mark a character; a doubled mark within quotation is a character
-/// too. (CommandLineToArgvW would load the system's windows and desktop, which a command does without.)
+/// Splits a command line into words as the C library does: backslashes are literal, but before a quotation mark two of
+/// them are one, and another one makes the mark literal; a doubled mark within quotation is literal too.
+/// (CommandLineToArgvW would load the system's windows and desktop, which a command does without.)
 std::vector<std::wstring> words_of(std::wstring_view line) {
   std::vector<std::wstring> words;
   bool quoted = false;
-  bool inside = false;  // a word
+  bool inside = false;  // inside a word
   for (std::size_t i = 0; i < line.size();) {
     const std::size_t backslashes = std::min(line.find_first_not_of(L'\\', i), line.size()) - i;
     i += backslashes;
@@ -84,8 +84,7 @@ std::vector<std::wstring> words_of(std::wstring_view line) {
   return words;
 }
 
-/// One word of a command line as the C library read it: in quotation marks; backslashes count
-/// double before one.
+/// Returns one word of a command line for the C library: in quotation marks; backslashes before one are doubled.
 std::wstring quoted(const std::wstring& word) {
   std::wstring result = L"\"";
   std::size_t backslashes = 0;
@@ -135,7 +134,7 @@ std::vector<std::string> program_arguments(int /*count*/, char** /*words*/) {
 }
 
 void reserve_standard_streams() noexcept {
-  // The terminal's own code page is put back when the program ends.
+  // The terminal's own code page is restored when the program ends.
   static const UINT before = GetConsoleOutputCP();
   if (before != 0 && before != CP_UTF8 && SetConsoleOutputCP(CP_UTF8)) {
     static_cast<void>(std::atexit([] { SetConsoleOutputCP(before); }));
@@ -178,7 +177,7 @@ std::string host_name() {
 }
 
 std::string reason_not_to_write_in(const std::filesystem::path& folder) {
-  // Rights say little here: a file is made, which is gone when it is closed.
+  // Permissions say little here, so this makes a file that is deleted on closing.
   const std::filesystem::path tried = folder / (".welkin-" + std::to_string(GetCurrentProcessId()) + ".tried");
   const HANDLE file = CreateFileW(platform::reachable(tried).c_str(), GENERIC_WRITE | DELETE, platform::kSharedByAll,
                                   nullptr, CREATE_ALWAYS, FILE_FLAG_DELETE_ON_CLOSE, nullptr);
@@ -188,15 +187,15 @@ std::string reason_not_to_write_in(const std::filesystem::path& folder) {
 }
 
 void become(const std::string& program, const std::vector<std::string>& arguments) {
-  // Windows runs no program in the place of another: this one waits, and ends as that one did. Ctrl-C goes to both.
+  // Windows cannot replace a process: this one waits, and returns the other's exit code. Ctrl-C goes to both.
   std::wstring line = quoted(platform::path_of(program));
   for (const std::string& word : arguments) line += L' ' + quoted(platform::path_of(word));
-  const std::filesystem::path beside = own_folder() / (program + ".exe");
-  const bool is_there = GetFileAttributesW(beside.c_str()) != INVALID_FILE_ATTRIBUTES;
+  const std::filesystem::path sibling = own_folder() / (program + ".exe");
+  const bool is_there = GetFileAttributesW(sibling.c_str()) != INVALID_FILE_ATTRIBUTES;
   STARTUPINFOW start{};
   start.cb = sizeof start;
   PROCESS_INFORMATION started{};
-  if (!CreateProcessW(is_there ? beside.c_str() : nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr,
+  if (!CreateProcessW(is_there ? sibling.c_str() : nullptr, line.data(), nullptr, nullptr, TRUE, 0, nullptr, nullptr,
                       &start, &started)) {
     const DWORD reason = GetLastError();
     throw Error(ErrorCode::file_access, program + ": cannot be run (" + platform::system_message(reason) +

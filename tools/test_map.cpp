@@ -16,7 +16,7 @@ namespace {
 
 // The map.
 
-/// A side of the cube around the viewer, seen from inside: `right` and `up` are those of its writing.
+/// A side of the cube around the viewer, seen from inside: `right` and `up` are those of its label.
 struct Side {
   const char* axis;
   const char* word;
@@ -26,8 +26,8 @@ struct Side {
   bool wall;
 };
 
-// A positive axis has its primary colour, a negative one the complement. Who looks along `forward` has forward x up on
-// the right. The ceiling reads for one who faces +z and looks up, the floor for one who faces +z and looks down.
+// A positive axis has its primary colour, a negative one the complement. For a view along `forward`, forward x up is on
+// the right. For a viewer who faces +z, the ceiling reads when looking up, the floor when looking down.
 const std::array<Side, 6> kSides{{
     {"+X", "LEFT", {0, 0, 1}, {0, 1, 0}, {0.60, 0.07, 0.05}, true},
     {"-X", "RIGHT", {0, 0, -1}, {0, 1, 0}, {0.03, 0.38, 0.42}, true},
@@ -44,14 +44,14 @@ glm::dvec3 mixed(const glm::dvec3& below, const glm::dvec3& above, double share)
   return below + (above - below) * share;
 }
 
-/// How far an angle in turns is from the nearest multiple of `step`, in degrees.
+/// Returns the distance of an angle in turns from the nearest multiple of `step`, in degrees.
 double degrees_off(double turns, double step) {
   const double steps = turns / step;
   return std::abs(steps - std::floor(steps + 0.5)) * step * 360.0;
 }
 
-/// Every 15 degrees a line; the equator and the four meridians through the axes are wider. Meridians thin out
-/// towards the poles, where they would run into one another.
+/// Draws a line every 15 degrees; the equator and the four meridians through the axes are wider. Meridians thin out
+/// towards the poles, where they would merge.
 double grid_share(const glm::dvec3& unit) {
   const double horizontal = std::sqrt(unit.x * unit.x + unit.z * unit.z);
   const double latitude = math::turns_of(unit.y, horizontal);
@@ -73,13 +73,13 @@ struct Label {
   double size;   ///< of a letter, in units of half a side
   double y;      ///< of its middle
   double pen;    ///< half the pen's width, in letter units of 1/6 of its height
-  double shade;  ///< how far its dark rim reaches beyond
+  double shade;  ///< width of its dark rim
 };
 
 constexpr Label kAxisLabel{0.72, 0.02, 0.62, 0.42};
 constexpr Label kWordLabel{0.25, -0.62, 0.60, 0.50};
 
-/// Ink and rim of one label over what is below it; (x, y) on the side, both from -1 to 1.
+/// Blends ink and rim of one label over the colour below; (x, y) on the side, both from -1 to 1.
 glm::dvec3 written(const glm::dvec3& below, const char* text, const Label& label, double x, double y) {
   const double scale = 6.0 / label.size;
   const double distance = tool::distance_to_label(text, x * scale, (y - label.y) * scale);
@@ -87,7 +87,7 @@ glm::dvec3 written(const glm::dvec3& below, const char* text, const Label& label
   return distance < label.pen + label.shade ? mixed(below, kShadow, 0.85) : below;
 }
 
-/// An arrow that points up, over the axis's name.
+/// Draws an arrow that points up, above the axis's name.
 glm::dvec3 with_arrow(const glm::dvec3& below, double x, double y) {
   constexpr double kTip = 0.90;
   constexpr double kFoot = 0.56;
@@ -100,7 +100,7 @@ glm::dvec3 with_arrow(const glm::dvec3& below, double x, double y) {
   return distance < kPen + kRim ? mixed(below, kShadow, 0.85) : below;
 }
 
-/// For each side, the one after whose axis it is named.
+/// For each side, the side whose axis names it.
 using Names = std::array<std::size_t, 6>;
 
 Names names_of(const TestMapAxes& axes) {
@@ -112,7 +112,7 @@ Names names_of(const TestMapAxes& axes) {
   return names;
 }
 
-/// The map is this function; texels are its means.
+/// The map as a function, of which texels are means.
 glm::dvec3 colour_towards(const glm::dvec3& unit, const Names& names) {
   const int face = image::face_of(unit);
   const Side& side = kSides[static_cast<std::size_t>(face)];
@@ -121,7 +121,7 @@ glm::dvec3 colour_towards(const glm::dvec3& unit, const Names& names) {
   const double x = glm::dot(unit, side.right) / depth;
   const double y = glm::dot(unit, side.up) / depth;
 
-  // A checkerboard, hardly seen, to judge sharpness and stretching by.
+  // A faint checkerboard shows sharpness and stretching.
   const bool odd = ((static_cast<int>(std::floor(x * 4.0)) + static_cast<int>(std::floor(y * 4.0))) & 1) != 0;
   glm::dvec3 colour = named.colour * (odd ? 0.80 : 1.0);
   colour = mixed(colour, kInk, grid_share(unit) * 0.45);
@@ -131,12 +131,12 @@ glm::dvec3 colour_towards(const glm::dvec3& unit, const Names& names) {
   return written(colour, side.word, kWordLabel, x, y);
 }
 
-/// Samples along a texel's edge, so that a quarter turn has a thousand or so, and no texel fewer than two.
-int samples_along_edge(int texels_a_quarter_turn) {
-  return std::clamp(1024 / std::max(1, texels_a_quarter_turn), 2, 8);
+/// Returns the samples along a texel's edge: about a thousand per 90 degrees, and at least two per texel.
+int samples_along_edge(int texels_per_90_degrees) {
+  return std::clamp(1024 / std::max(1, texels_per_90_degrees), 2, 8);
 }
 
-/// `unit_at(column, row)`: the direction of a place that is counted in texels.
+/// `unit_at(column, row)`: the direction of a position in texels.
 template <typename UnitAt>
 void draw(int columns, int rows, int samples, float* rgb, const Control& control, const Names& names,
           const UnitAt& unit_at) {
@@ -172,10 +172,10 @@ LatLongImage test_map_lat_long(int width, int height, const Control& control, co
 Cubemap test_map_cubemap(int size, const Control& control, const TestMapAxes& axes) {
   image::check_face_size(size);
   Cubemap map(size);
-  const glm::dmat3 from_places = glm::transpose(axes.places);
+  const glm::dmat3 from_faces = glm::transpose(axes.places);
   draw(size, 6 * size, samples_along_edge(size), map.face(0), control, names_of(axes), [&](double column, double row) {
     const int face = std::min(5, static_cast<int>(row / size));
-    return from_places * image::face_direction(size, face, column, row - 1.0 * face * size);
+    return from_faces * image::face_direction(size, face, column, row - 1.0 * face * size);
   });
   return map;
 }

@@ -1,5 +1,4 @@
-// Environments that are drawn: one that shows by itself how it is turned, and a living room in the evening sun to try
-// Welkin with.
+// Drawn environments: one that shows its orientation, and a living room in the evening sun to try Welkin with.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -9,23 +8,21 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Whose axes the map names, and where its cubemap's faces lie.
+/// The axes that the map names, and the positions of its cubemap's faces.
 struct TestMapAxes {
-  glm::dmat3 names{
-      1.0};  ///< takes directions in Welkin's axes to the axes that are written: one of the cube's symmetries
-  glm::dmat3 places{1.0};  ///< takes them to their places in the cubemap: likewise
+  glm::dmat3 names{1.0};   ///< from Welkin's axes to the written axes: one of the cube's symmetries
+  glm::dmat3 places{1.0};  ///< from Welkin's axes to positions in the cubemap: one of the cube's symmetries
 };
 
-/// A labelled sphere: each of the six sides has its colour, and its axis written on it in letters that read from
-/// inside the sphere ("+X", "-Y", ...), a grid of latitudes and longitudes, edges of the faces, and an arrow
-/// towards +y on each side wall. In a mirrored image the letters are mirrored too.
-/// Other axes change the names and colours; what is in front, on the left or above stays there.
-/// `width` x `height` texels of a lat-long. Cost: some 0.5 microseconds a texel and thread.
-/// Throws `Error`: invalid_argument out of LatLongView's range, cancelled.
+/// Draws a labelled sphere: each of the six sides has its colour, and its axis written on it in letters that read from
+/// inside the sphere ("+X", "-Y", ...), a grid of latitudes and longitudes, edges of the faces, and an arrow towards +y
+/// on each side wall. In a mirrored image the letters are mirrored too. Other axes change the names and colours, but
+/// not what is in front, on the left or above. `width` x `height`: texels of a lat-long. Cost: about 0.5 microseconds
+/// per texel on one thread. Throws `Error`: invalid_argument out of LatLongView's range, cancelled.
 [[nodiscard]] LatLongImage test_map_lat_long(int width, int height, const Control& control = {},
                                              const TestMapAxes& axes = {});
 
-/// The same as a cubemap in the frames of `CubemapView`.
+/// Draws the test map as a cubemap in the frames of `CubemapView`.
 [[nodiscard]] Cubemap test_map_cubemap(int size, const Control& control = {}, const TestMapAxes& axes = {});
 
 /// Draws a room of diffuse boxes as a viewer in its middle sees it: a window to the west (+x, the left quarter of the

@@ -95,7 +95,7 @@ std::string NumberColumn::cell(double value, std::size_t width) const {
   const auto format = scientific_ ? std::chars_format::scientific : std::chars_format::fixed;
   const std::string text = platform::number_text(value, format, decimals_);
   const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  // A rounded-away negative would print as "-0.0000", which reads as a claim about its sign.
+  // A negative number that rounds to 0 would print as "-0.0000", which suggests a sign.
   const std::string unsigned_zero = is_zero && text.front() == '-' ? text.substr(1) : text;
   return ' ' + pad_left(unsigned_zero, width - 1);
 }
@@ -144,10 +144,10 @@ std::string portable_path(const std::string& path) {
 
 bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
   std::error_code unknown;
-  const auto place = [&](const std::filesystem::path& path) {
+  const auto real = [&](const std::filesystem::path& path) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path, unknown), unknown);
   };
-  return std::filesystem::equivalent(one, other, unknown) || (place(one) == place(other) && !place(one).empty());
+  return std::filesystem::equivalent(one, other, unknown) || (real(one) == real(other) && !real(one).empty());
 }
 
 void require_kept(const std::filesystem::path& read, const std::filesystem::path& written, const std::string& writer,

@@ -1,4 +1,4 @@
-// Cubemaps in blocks, as graphics cards read them: what each format and effort costs and loses.
+// Cubemaps in blocks, as GPUs read them: cost and error of each format and effort.
 
 #include "perf/report/passes.h"
 #include "welkin/bake_file.h"
@@ -39,7 +39,7 @@ namespace {
 
 double texels_of(const Cubemap& chain) { return static_cast<double>(chain.bytes()) / (3.0 * sizeof(float)); }
 
-/// "normal, 1.00 bytes per texel"
+/// Returns "normal, 1.00 bytes per texel".
 std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubemap& chain) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%s, %.2f bytes per texel", way.effort,
@@ -47,7 +47,7 @@ std::string setting_of(const BlockWay& way, std::size_t file_bytes, const Cubema
   return text.data();
 }
 
-/// astcenc decodes it.
+/// Returns whether astcenc decodes it.
 bool is_astc(const BlockWay& way) {
   return way.options.format == TexelFormat::astc_4x4_hdr || way.options.format == TexelFormat::astc_6x6_hdr ||
          way.options.format == TexelFormat::uastc_hdr_4x4;

@@ -9,7 +9,7 @@ namespace {
 constexpr int kOrder = 12;
 constexpr double kRightAngle = std::numbers::pi / 2.0;
 
-/// Cuts [from, to] ever finer towards `centre`, down to `width`: 0, 1, 2, 4 ... widths from it.
+/// Adds cuts of [from, to] that get finer towards `centre`, down to `width`: 0, 1, 2, 4 ... widths from it.
 void cut_towards(double centre, double width, double from, double to, std::vector<double>& cuts) {
   for (double distance = width; distance < 4.0; distance *= 2.0) {
     for (const double cut : {centre - distance, centre, centre + distance}) {
@@ -43,17 +43,17 @@ struct Geometry {
   double slope2;  ///< of the half vector, squared
 };
 
-/// Angles are elevations above the horizon: small ones lose nothing.
+/// Angles are elevations above the horizon, so that small ones keep their precision.
 Geometry geometry(double view_elevation, double light_elevation, double azimuth) {
   const double x = std::cos(view_elevation) + std::cos(light_elevation) * std::cos(azimuth);
-  // cos a - cos b as a product: nothing is lost in the mirror direction.
+  // cos a - cos b as a product keeps precision in the mirror direction.
   const double across = std::cos(light_elevation) * std::sin(azimuth);
   const double z = std::sin(view_elevation) + std::sin(light_elevation);
   const double length2 = x * x + across * across + z * z;
   return {std::sin(light_elevation), 0.5 * std::sqrt(length2), (x * x + across * across) / (z * z)};
 }
 
-/// Azimuth 0 is the mirror direction here.
+/// Here azimuth 0 is the mirror direction.
 Geometry mirrored_geometry(double view_elevation, double light_elevation, double azimuth) {
   const double half_azimuth = std::sin(0.5 * azimuth);
   const double x =
@@ -125,7 +125,7 @@ namespace {
 constexpr const char* kTableTruth = "a finer table's texels, each within 1e-5";
 constexpr int kRuns = 3;
 
-/// Two channels of a table, to be looked up as a shader does.
+/// Two channels of a table, for lookups as a shader makes them.
 struct Lookup {
   const float* values;
   int width, height, channels;
@@ -136,7 +136,7 @@ struct Lookup {
     return static_cast<double>(values[(static_cast<std::ptrdiff_t>(y) * width + x) * channels + channel]);
   }
 
-  /// Bilinear, clamped to the edge; both coordinates in [0, 1].
+  /// Returns the bilinear value, clamped to the edge; both coordinates are in [0, 1].
   [[nodiscard]] double linear(double across, double down, int channel) const {
     const double x = across * width - 0.5;
     const double y = down * height - 0.5;
@@ -172,7 +172,7 @@ ErrorNorms errors_of(const Lookup& table, const BrdfTable& truth) {
   return {std::sqrt(squares / whole), largest};
 }
 
-/// Tables are kept once made: neighbours a column or two wider stand in for repeats, their time in proportion.
+/// Computed tables stay in memory, so repeats are of tables a column or two wider, their time in proportion.
 double seconds_of(BrdfTableOptions options, const Stopwatch& stopwatch) {
   Stopwatch once = stopwatch;
   once.most_runs = 1;

@@ -15,7 +15,7 @@ constexpr int kGrain = 64;  // patches along the equator
 
 const glm::dvec3 kSun = glm::normalize(glm::dvec3(0.55, 0.6, 0.58));
 
-/// 1 inside, 0 outside, a ramp of one texel between: `inside` in degrees from the edge inwards.
+/// Returns 1 inside, 0 outside, and a ramp of one texel between. `inside`: degrees from the edge inwards.
 double coverage(double inside, double texel) { return std::clamp(inside / texel + 0.5, 0.0, 1.0); }
 
 /// A rectangle of longitudes and latitudes, degrees.
@@ -55,7 +55,7 @@ glm::dvec3 light(const glm::dvec3& direction, double longitude, double latitude,
   for (const Window& window : kWindows) {
     sum = glm::mix(sum, kWindowRadiance * glm::dvec3(1.0, 0.95, 0.85), window.covers(longitude, latitude, texel));
   }
-  // Twice the arcsine of half the chord: exact for small angles too.
+  // Twice the arcsine of half the chord is exact for small angles too.
   const double from_sun = 2.0 * std::asin(0.5 * glm::length(direction - kSun)) * 180.0 / std::numbers::pi;
   return sum + kSunRadiance * coverage(kSunRadius - from_sun, texel) * glm::dvec3(1.0, 0.9, 0.75);
 }
@@ -93,7 +93,7 @@ ReportEnvironment environment_from(const std::filesystem::path& path, int width)
 
 namespace {
 
-/// IEC 61966-2-1.
+/// The sRGB curve of IEC 61966-2-1.
 float encode_srgb(float linear) {
   return linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1.0F / 2.4F) - 0.055F;
 }

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A level of the source's mips with one more texel beyond each edge of each face: the neighbouring face's, at a corner
-/// the mean of the three that meet there. Bilinear lookups need no other face then.
+/// A level of the source's mips with one additional texel beyond each edge of each face: the neighbouring face's, at a
+/// corner the mean of the three that meet there. Bilinear lookups then need no other face.
 class PaddedLevel {
  public:
   PaddedLevel(const Cubemap& chain, int level)
@@ -39,7 +39,7 @@ class PaddedLevel {
     }
   }
 
-  /// `u` and `v`: -1 to 1 along the face's rows and columns.
+  /// Returns the bilinear value. `u` and `v`: -1 to 1 along the face's rows and columns.
   [[nodiscard]] glm::vec3 bilinear(int face, float u, float v) const {
     const float x = texels_along(u);
     const float y = texels_along(v);
@@ -58,7 +58,7 @@ class PaddedLevel {
     return static_cast<std::size_t>((face * (size_ + 2) + row + 1) * (size_ + 2) + column + 1);
   }
   [[nodiscard]] glm::vec3& at(int face, int column, int row) { return texels_[index(face, column, row)]; }
-  /// From 0.5, the edge, half a texel beyond the first centre, to size + 0.5.
+  /// Returns positions from 0.5, the edge, half a texel before the first centre, to size + 0.5.
   [[nodiscard]] float texels_along(float u) const {
     const auto size = static_cast<float>(size_);
     return std::clamp((u + 1.0F) * 0.5F * size + 0.5F, 0.5F, size + 0.5F);
@@ -71,19 +71,19 @@ class PaddedLevel {
 /// One sample in the frame whose z axis is the texel's direction.
 struct Tap {
   glm::vec3 direction;
-  float weight;  ///< the list's sum is 1
+  float weight;  ///< the list's weights add up to 1
   float level;   ///< of the source's mips
 };
 
-/// Van der Corput's sequence.
+/// Returns an element of van der Corput's sequence.
 double radical_inverse(std::uint32_t i) {
   std::uint32_t mirrored = 0;
   for (int bit = 0; bit < 32; ++bit) mirrored |= ((i >> bit) & 1U) << (31 - bit);
   return mirrored * 0x1p-32;
 }
 
-/// Half vectors by GGX's distribution at a Hammersley set, reflected; directions below the horizon are left out. The
-/// level is where a texel covers four times the solid angle of the tap, 1 / (samples pdf), pdf = D / 4.
+/// Returns taps of half vectors by GGX's distribution at a Hammersley set, reflected; directions below the horizon are
+/// left out. A texel of the level covers four times the solid angle of the tap, 1 / (samples pdf), pdf = D / 4.
 std::vector<Tap> taps_of(double alpha, int samples, int level_size, int levels) {
   const double square = alpha * alpha;
   const double texel = 4.0 * kPi / (6.0 * level_size * level_size);

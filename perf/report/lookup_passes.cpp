@@ -9,7 +9,7 @@
 namespace welkin::report {
 namespace {
 
-/// A unit vector from two numbers in [0, 1).
+/// Returns a uniform unit vector from two numbers in [0, 1).
 glm::dvec3 anywhere(double u, double v) {
   const double y = 1.0 - 2.0 * u;
   const double level = std::sqrt(std::max(0.0, 1.0 - y * y));
@@ -26,7 +26,7 @@ class Draw {
   std::mt19937 random_{23};
 };
 
-/// Draws directions in proportion to the blurred luminance: a texel by its light, then a direction of the lobe about
+/// Draws directions in proportion to the blurred luminance: a texel by its light, then a direction of the lobe around
 /// it.
 class LightDirections {
  public:
@@ -68,7 +68,7 @@ class LightDirections {
 
  private:
   LatLongView source_;
-  std::vector<double> sums_;  ///< of the light of all texels up to each
+  std::vector<double> sums_;  ///< cumulative light of the texels
 };
 
 }  // namespace
@@ -98,9 +98,9 @@ LookupTruth::LookupTruth(const LatLongView& source, int directions) {
       all.push_back(by_light(draw, roughness));
     }
     const std::vector<glm::dvec3> truths = reference_specular(source, roughness, all);
-    std::vector<Place>& places = places_.emplace_back();
+    std::vector<Sample>& samples = samples_.emplace_back();
     for (std::size_t i = 0; i < all.size(); ++i)
-      places.push_back({all[i], truths[i], 1.0 / (1.0 + LightDirections::luminance(truths[i]) / by_light.mean())});
+      samples.push_back({all[i], truths[i], 1.0 / (1.0 + LightDirections::luminance(truths[i]) / by_light.mean())});
   }
 }
 
@@ -111,10 +111,10 @@ ErrorNorms LookupTruth::errors(const Cubemap& chain, RoughnessSchedule schedule)
     const double mip = reflections::mip_by_formula(schedule, roughness, chain.levels(), chain.level_size(0));
     double error = 0.0;
     double whole = 0.0;
-    for (const Place& place : places_[static_cast<std::size_t>(k)]) {
-      const glm::dvec3 off = lookup(chain, mip, place.direction) - place.truth;
-      error += place.weight * glm::dot(off, off);
-      whole += place.weight * glm::dot(place.truth, place.truth);
+    for (const Sample& sample : samples_[static_cast<std::size_t>(k)]) {
+      const glm::dvec3 off = lookup(chain, mip, sample.direction) - sample.truth;
+      error += sample.weight * glm::dot(off, off);
+      whole += sample.weight * glm::dot(sample.truth, sample.truth);
     }
     norms.rms += error / whole / kRoughnesses;
     norms.maximum = std::max(norms.maximum, std::sqrt(error / whole));
@@ -127,13 +127,13 @@ namespace {
 
 constexpr const char* kTruth = "the integral over all texels in double, in some directions";
 constexpr double kBounds[] = {1e-2, 1e-3, 1e-4};
-constexpr int kSamples[] = {64, 1024};  // of cmgen
+constexpr int kSamples[] = {64, 1024};  // for cmgen
 
 struct Chain {
   const char* method;
   RoughnessSchedule schedule;
   int smallest;  ///< texels along an edge of its last mip
-  bool fitted;   ///< lobes, to lookups
+  bool fitted;   ///< lobes are fitted to lookups
 };
 
 constexpr Chain kChains[] = {{"Filament's formula", RoughnessSchedule::filament, 16, false},

@@ -1,4 +1,4 @@
-// The program welkin-report, which `welkin report` runs: how good each setting is, and how long it takes.
+// The program welkin-report, which `welkin report` runs: error and time of each setting.
 
 #include "embedded_texts.h"
 #include "perf/report/passes.h"
@@ -27,7 +27,7 @@ struct ReportCommandOptions {
   bool no_peers = false;
 };
 
-/// The folders must be there before minutes of work, not after.
+/// Throws before minutes of work if a folder is missing, not after.
 void require_folder(const std::string& path) {
   if (path.empty()) return;
   if (path == "-") throw Error(ErrorCode::invalid_argument, "'-' is no file; a report writes files alone");
@@ -43,13 +43,13 @@ void settle(ReportCommandOptions& options) {
   options.run.peers = !options.no_peers;
   options.run.environment = options.environment;
   options.run.node_modules = options.node_modules;
-  // Raw figures that were asked for alone need no page beside them.
+  // If only raw figures are selected, there is no page.
   const bool raw = !options.json.empty() || !options.csv.empty();
   if (options.page.empty() && !raw) options.page = kDefaultPage;
   for (const std::string* path : {&options.page, &options.json, &options.csv}) require_folder(*path);
 }
 
-/// An older report of another scale or light is refused before minutes of work, not after.
+/// Refuses an older report of another scale or light before minutes of work, not after.
 void require_comparable(const report::Report& older, const ReportCommandOptions& options) {
   if (older.scale != options.run.scale) {
     throw Error(ErrorCode::invalid_argument,
@@ -62,7 +62,7 @@ void require_comparable(const report::Report& older, const ReportCommandOptions&
   }
 }
 
-/// What was written, a line each.
+/// Writes the files. Returns one line per file.
 std::string write(const ReportCommandOptions& options, const report::Report& measured,
                   const std::optional<report::Comparison>& comparison) {
   std::string said;
@@ -76,7 +76,7 @@ std::string write(const ReportCommandOptions& options, const report::Report& mea
   return said;
 }
 
-/// For a terminal: pass, target, what to take.
+/// Returns text for a terminal: pass, target, recommended setting.
 std::string recommended(const report::Report& measured) {
   std::string text = "Which setting to take, by rms error:\n";
   std::string last;
@@ -159,7 +159,7 @@ void add_comparisons(Options& table, ReportCommandOptions& options) {
 
 Command report_command() {
   const auto options = std::make_shared<ReportCommandOptions>();
-  options->run.program = own_folder() / "welkin-report";  // by a name alone it is looked for on the PATH
+  options->run.program = own_folder() / "welkin-report";  // a name without a folder is searched on the PATH
   Command command{"report", "Error against run time of every method and setting", embedded_text("help.txt")};
   add_output_files(command.options, *options);
   in_group(command.options, "Output");
@@ -178,7 +178,7 @@ Command report_command() {
 
 int main(int count, char** words) {
   using welkin::tool::report_command, welkin::tool::run_guarded, welkin::tool::run_program;
-  std::vector<std::string> arguments = {"report"};  // to the user it is a command of welkin's
+  std::vector<std::string> arguments = {"report"};  // for the user it is a command of welkin
   for (std::string& word : welkin::tool::program_arguments(count, words)) arguments.push_back(std::move(word));
   return run_guarded([&]() -> welkin::tool::ExitCode {
     if (arguments.size() > 1 && arguments[1] == welkin::report::kFirstCall) {

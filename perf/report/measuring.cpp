@@ -7,7 +7,7 @@
 namespace welkin::report {
 namespace {
 
-constexpr double kShortestSample = 2e-4;  // a hundred times what reading the clock costs, and more than its step
+constexpr double kShortestSample = 2e-4;  // a hundred times the cost of reading the clock, and above its resolution
 
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,7 +35,7 @@ double Stopwatch::seconds(const std::function<void()>& work) const {
     fastest = sample(1);
     const int calls = static_cast<int>(std::clamp(std::ceil(kShortestSample / std::max(fastest, 1e-9)), 1.0, 1e5));
     double warm = HUGE_VAL;
-    // The second run does not wait for the wall clock to allow it: a busy machine may have taken the budget away.
+    // The second run is independent of the wall clock: a busy machine may have used up the budget.
     for (int run = 1; run < most_runs && (wall_seconds() < end || (run == 1 && fastest < budget_seconds)); ++run) {
       warm = std::min(warm, sample(calls));
     }
@@ -69,7 +69,7 @@ std::string compiler() {
 #endif
 }
 
-/// Now, in UTC: "2026-11-25T03:00:00Z".
+/// Returns the current time in UTC: "2026-11-25T03:00:00Z".
 std::string date() {
   const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
   const auto day = std::chrono::floor<std::chrono::days>(now);
@@ -120,7 +120,7 @@ namespace {
 
 constexpr int kNormals = 256;
 
-/// Evenly over the sphere: a Fibonacci spiral.
+/// Returns normals uniform over the sphere: a Fibonacci spiral.
 glm::dvec3 normal(int index) {
   const double y = 1.0 - (2.0 * index + 1.0) / kNormals;
   const double azimuth = 2.0 * std::numbers::pi * index * (std::numbers::phi - 1.0);
@@ -204,7 +204,7 @@ namespace {
 
 constexpr double kFloor = 1e-6;
 
-/// In proportion.
+/// Returns the solid angle up to a constant factor.
 double solid_angle(std::int64_t texel, int size) {
   const double u = (2.0 * static_cast<double>(texel % size) + 1.0) / size - 1.0;
   const double v = (2.0 * static_cast<double>(texel / size % size) + 1.0) / size - 1.0;

@@ -12,16 +12,16 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kSmallestMip = 16;  // of cmgen's chains
+constexpr int kSmallestMip = 16;  // last mip of cmgen's chains
 constexpr const char* kFilament = "libs/ibl 1.9.25";
-constexpr const char* kTable = "table";  // as Welkin's own are called
+constexpr const char* kTable = "table";  // the name of Welkin's own
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Fills `values` with a file's floats; false if it has fewer.
+/// Fills `values` with a file's floats; returns false if it has fewer.
 bool read_floats(const std::filesystem::path& file, float* values, std::size_t bytes) {
   std::ifstream stream(file, std::ios::binary);
   stream.read(reinterpret_cast<char*>(values), static_cast<std::streamsize>(bytes));
@@ -35,7 +35,7 @@ std::string write_floats(const std::filesystem::path& file, const CubemapView& c
   return file.string();
 }
 
-/// Nine lines of "( r, g, b); // L00" as cmgen writes them, odd orders with the other sign.
+/// Reads nine lines of "( r, g, b); // L00" of cmgen, with the opposite sign of odd orders.
 SphericalHarmonics harmonics_of_cmgen(const std::string& text) {
   SphericalHarmonics radiance(3);
   std::string numbers = text;
@@ -53,7 +53,7 @@ SphericalHarmonics harmonics_of_cmgen(const std::string& text) {
   return radiance;
 }
 
-/// Debian's package knows its version, the program does not tell.
+/// Returns cmgen's name with the version of Debian's package, which the program does not report.
 std::string cmgen_name(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "version.txt";
   const ProcessResult asked =
@@ -73,7 +73,7 @@ PeerResult<SphericalHarmonics> projection_from(const Json& one) {
   return projection;
 }
 
-/// Levels m0_px.exr ... of one folder.
+/// Reads levels m0_px.exr ... of one folder.
 Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
   Cubemap chain(size, levels);
   for (int level = 0; level < levels; ++level) {
@@ -89,14 +89,14 @@ Cubemap read_levels(const std::filesystem::path& folder, int size, int levels) {
   return chain;
 }
 
-/// The chain that webgl_peers.mjs wrote and said this of.
+/// Returns the chain that webgl_peers.mjs wrote and describes in `said`.
 PeerResult<PeerChain> webgl_chain(const Json& said, const std::filesystem::path& folder) {
   const bool is_three = said.at("engine") == "three";
   Cubemap chain(said.at("size").get<int>(), said.at("mips").get<int>());
   if (!read_floats(folder / (said.at("engine").get<std::string>() + ".f32"), chain.face(0, 0), chain.bytes()))
     throw Error(ErrorCode::corrupt_file, "fewer texels than it said");
   const Convention& engine = convention(is_three ? Engine::three : Engine::babylon);
-  // three.js mirrors cubemaps that are loaded; what it draws itself it reads as it is.
+  // three.js mirrors loaded cubemaps, and reads those that it draws unchanged.
   const dmat3 faces = is_three ? engine.from_welkin : *engine.faces_from_engine * engine.from_welkin;
   return {said.at("version"),
           is_three ? "PMREMGenerator" : "HDRFiltering",
@@ -191,7 +191,7 @@ PeerProjections Peers::project(const Cubemap& cube, const std::vector<int>& targ
   if (said.size() != 28) return found;
   SphericalHarmonics radiance(3);
   for (std::size_t k = 0; k < 9; ++k) {
-    const double sign = k % 2 == 1 ? -1.0 : 1.0;  // its odd orders, which are the odd indices here
+    const double sign = k % 2 == 1 ? -1.0 : 1.0;  // its odd orders, here the odd indices
     radiance.coefficients()[k] = sign * glm::dvec3(said[3 * k + 1], said[3 * k + 2], said[3 * k + 3]);
   }
   found.push_back({kFilament, "computeSH", target_words(0), radiance, said[0]});
@@ -208,7 +208,7 @@ void Peers::ask_cmgen(const std::vector<std::string>& words, const char* method,
   try {
     found.push_back({*cmgen_, method, setting, read(), *seconds});
   } catch (const Error&) {
-    return;  // it wrote something else
+    return;  // its output has another form
   }
 }
 
@@ -302,7 +302,7 @@ PeerTables Peers::brdf_table(std::span<const int> sizes) const {
     const std::filesystem::path output = folder_ / ("dfg_" + std::to_string(size) + ".exr");
     const auto read = [&] {
       ReadOptions options;
-      options.layout = Layout::lat_long;  // any image will do
+      options.layout = Layout::lat_long;  // the aspect ratio does not matter
       const Environment image = read_environment(output, options);
       if (image.info.width != size || image.info.height != size)
         throw Error(ErrorCode::corrupt_file, "another size than requested");

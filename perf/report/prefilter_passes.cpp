@@ -1,5 +1,5 @@
 // The passes about reflections: error against time from the integral in double to the loosest bound, warm and in first
-// calls, beside importance sampling and cmgen.
+// calls, next to importance sampling and cmgen.
 
 #include "perf/report/passes.h"
 #include "welkin/core.h"
@@ -15,7 +15,7 @@ constexpr const char* kTruth = "the integral over all texels in double, at some 
 constexpr const char* kFromFile = "prefilter-file";
 constexpr const char* kFromCube = "prefilter-cube";
 constexpr int kSmallestOfCmgen = 16;  // texels along an edge of its last mip
-constexpr int kFirstCalls = 3;        // of which the shortest counts
+constexpr int kFirstCalls = 3;        // the shortest counts
 constexpr double kBounds[] = {3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5};
 
 struct Blur {
@@ -38,7 +38,7 @@ std::vector<int> sample_counts(int most) {
 
 std::string bound_words(double bound) { return "bound " + percent(bound); }
 
-/// What is blurred, of either kind.
+/// The image to blur, of either kind.
 struct Source {
   std::function<Cubemap(const PrefilterOptions&)> prefilter;
   std::function<std::vector<glm::dvec3>(double roughness, const std::vector<glm::dvec3>&)> integral;
@@ -54,12 +54,12 @@ Source source_of(const View& view) {
           mean_radiance(project(view).radiance)};
 }
 
-/// The truth of chains' mips at the same texels for every method.
+/// The reference of chains' mips at the same texels for every method.
 class ChainTruth {
  public:
   ChainTruth(Source source, int probes) : source_(std::move(source)), count_(probes) {}
 
-  /// Over the mips that are not copies; `roughness` has one entry per mip.
+  /// Returns the errors over the mips that are not copies; `roughness` has one entry per mip.
   ErrorNorms errors(const Cubemap& chain, const std::vector<double>& roughness) {
     std::vector<ErrorNorms> mips;
     for (int level = 0; level < chain.levels(); ++level) {
@@ -70,8 +70,8 @@ class ChainTruth {
     return together(mips);
   }
 
-  /// The integral itself, as floats: its error is that of rounding. Its time is that of a few probes, in proportion to
-  /// all texels.
+  /// Measures the integral itself, as floats: its error is that of rounding. Its time is that of a few probes, in
+  /// proportion to all texels.
   Measurement reference(const PrefilterOptions& shape, const Stopwatch& stopwatch) {
     const std::vector<double>& roughness = shape.roughness;
     Cubemap like(shape.size, static_cast<int>(roughness.size()));
@@ -122,8 +122,8 @@ class ChainTruth {
   std::map<std::pair<int, double>, Mip> mips_;  ///< by size and roughness
 };
 
-/// Welkin by each of its bounds, from the tightest one on; none for a bound that no method reaches. `shape`: size and
-/// roughness of each mip. `call` is what is timed.
+/// Measures Welkin with each of its bounds, from the tightest one on; none for a bound that no method reaches. `shape`:
+/// size and roughness of each mip. `call`: the timed call.
 std::vector<Measurement> by_bound(const Stopwatch& stopwatch, ChainTruth& truth, const PrefilterOptions& shape,
                                   const std::function<Cubemap(const PrefilterOptions&)>& call) {
   std::vector<Measurement> all;
@@ -164,7 +164,7 @@ std::vector<Measurement> one_roughness(const PassContext& context, const Blur& b
   return all;
 }
 
-/// The chain of a pass: down to where cmgen ends, or the default one.
+/// Returns the chain of a pass: down to cmgen's last size, or the default one.
 PrefilterOptions shape_of(const std::string& pass, int size) {
   PrefilterOptions shape{.size = size};
   if (pass == kFromFile) shape.mips = full_chain_levels(size) - full_chain_levels(kSmallestOfCmgen) + 1;
@@ -172,7 +172,7 @@ PrefilterOptions shape_of(const std::string& pass, int size) {
   return shape;
 }
 
-/// What a pass about a chain times. A lat-long's file is read in each call, a cubemap's before them.
+/// Returns the timed call of a pass about a chain. A lat-long's file is read in each call, a cubemap's before them.
 std::function<Cubemap(const PrefilterOptions&)> call_of(const std::string& pass, const std::filesystem::path& file) {
   if (pass == kFromFile) {
     return [file](const PrefilterOptions& options) {
@@ -183,7 +183,7 @@ std::function<Cubemap(const PrefilterOptions&)> call_of(const std::string& pass,
   return [cube](const PrefilterOptions& options) { return prefilter_specular(cube->cubemap(), options).cubemap; };
 }
 
-/// The same settings in the first call of a process, which makes tables and takes memory from the system.
+/// Measures the settings of `warm` in the first call of a process, which makes tables and gets memory from the system.
 std::vector<Measurement> first_calls(const PassContext& context, const std::string& pass,
                                      const std::filesystem::path& file, const std::vector<Measurement>& warm) {
   std::vector<Measurement> all;

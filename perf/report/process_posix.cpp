@@ -1,4 +1,4 @@
-// Processes by POSIX's calls.
+// Processes on POSIX.
 #include <fcntl.h>
 #include <sched.h>
 #include <spawn.h>
@@ -17,7 +17,7 @@ extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leav
 namespace welkin::report {
 namespace {
 
-/// Binds this thread, and with it the processes that it starts, to its first few processors; then lets it go again.
+/// Binds this thread and the processes that it starts to its first few processors during its lifetime.
 class BoundToProcessors {
  public:
   explicit BoundToProcessors(int threads) {
@@ -104,8 +104,8 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-/// As Linux has it (on ARM numbers stand for names: who made the design, and which one it is); else the number of
-/// processors alone.
+/// Returns the name from Linux (on ARM numbers replace names: of the designer and of the design); else only the number
+/// of processors.
 std::string processor_name() {
   std::string name = std::to_string(std::thread::hardware_concurrency()) + " x ";
   std::ifstream stream("/proc/cpuinfo");

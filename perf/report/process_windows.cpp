@@ -1,4 +1,4 @@
-// Processes by Windows' calls.
+// Processes on Windows.
 
 #include "perf/report/measuring.h"
 #include "platform/text.h"
@@ -8,19 +8,19 @@
 namespace welkin::report {
 namespace {
 
-/// Windows counts such times in 100 ns.
+/// Windows counts these times in units of 100 ns.
 double seconds(const FILETIME& time) {
   return 1e-7 * static_cast<double>((std::uint64_t{time.dwHighDateTime} << 32U) | time.dwLowDateTime);
 }
 
-/// The lowest so many bits of the mask.
+/// Returns the lowest `count` bits of the mask.
 DWORD_PTR lowest(DWORD_PTR mask, int count) {
   DWORD_PTR few = 0;
   for (DWORD_PTR rest = mask; rest != 0 && std::popcount(few) < count; rest &= rest - 1) few |= rest & (~rest + 1);
   return few;
 }
 
-/// A file that the process that is started may use; "NUL" is none.
+/// A file that a started process may use; "NUL" is none.
 class InheritedFile {
  public:
   InheritedFile(const std::wstring& name, DWORD access, DWORD disposition) {
@@ -39,7 +39,7 @@ class InheritedFile {
   HANDLE handle_ = INVALID_HANDLE_VALUE;
 };
 
-/// Our programs' words: none has quotation marks, and none ends in a backslash.
+/// Joins words that have no quotation marks and do not end in a backslash, as those of these programs.
 std::wstring command_line(const std::vector<std::string>& arguments) {
   std::wstring line;
   for (const std::string& word : arguments) {
@@ -48,7 +48,7 @@ std::wstring command_line(const std::vector<std::string>& arguments) {
   return line;
 }
 
-/// Suspended, so that it can be bound before it runs. Null: it could not be started.
+/// Starts a process suspended, so that it can be bound before it runs. Null: it could not be started.
 PROCESS_INFORMATION start(const std::vector<std::string>& arguments, const std::wstring& output) {
   const InheritedFile in(L"NUL", GENERIC_READ, OPEN_EXISTING);
   const InheritedFile out(output, GENERIC_WRITE, output == L"NUL" ? OPEN_EXISTING : CREATE_ALWAYS);
@@ -116,7 +116,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments, int threads
   CloseHandle(child.hThread);
   CloseHandle(child.hProcess);
   const double processor = seconds(kernel) + seconds(user);
-  constexpr DWORD kException = 0xC0000000;  // codes from here on: ended by one
+  constexpr DWORD kException = 0xC0000000;  // codes from here on mean an exception
   return {code < kException ? static_cast<int>(code) : -1, clock == Clock::processor ? processor : wall};
 }
 

@@ -13,7 +13,7 @@ constexpr const char* kErrors =
     "normals, over its root mean square.";
 constexpr const char* kTruth = "projection of all texels in double";
 
-/// 8, 16, ... below `size`, and 0.
+/// Returns 8, 16, ... below `size`, and 0.
 std::vector<int> targets_below(int size) {
   std::vector<int> targets;
   for (int target = 8; target < size; target *= 2) targets.push_back(target);
@@ -38,12 +38,12 @@ ProjectionOptions options_of(Quadrature quadrature, int target) {
   return options;
 }
 
-/// Three bands by each way, at 8, 16, ... texels below the full size and at that.
+/// Measures three bands by each way, at 8, 16, ... texels below the full size and at that.
 std::vector<Measurement> by_target(const PassContext& context) {
   struct Way {
     const char* name;
     Quadrature quadrature;
-    bool from_chain;  ///< of plain boxes of four, as engines make them
+    bool from_chain;  ///< of plain 2 x 2 boxes, as engines make them
   };
   constexpr Way ways[] = {{"exact", Quadrature::exact, false},
                           {"midpoint (as Babylon.js)", Quadrature::midpoint, false},
@@ -172,7 +172,7 @@ ErrorNorms norms_of(const IrradianceError& error, double share = 1.0) {
   return {share * error.rms, share * error.maximum};
 }
 
-/// The errors of what is left without the sun, which a light of its own gives back exactly, over the whole's.
+/// Measures the errors of the light without the sun, which a separate light reproduces exactly, over the whole's.
 std::vector<Measurement> with_sun_extracted(const PassContext& context, const SphericalHarmonics& whole) {
   const LatLongImage& image = context.environment.image;
   LatLongImage rest = image;

@@ -15,8 +15,8 @@ std::vector<Measurement> of_pass(const Report& report, const std::string& pass) 
 }
 
 std::string label(const Measurement& measurement) {
-  const std::string own = measurement.method + ", " + measurement.setting;
-  return measurement.peer.empty() ? own : measurement.peer + ": " + own;
+  const std::string name = measurement.method + ", " + measurement.setting;
+  return measurement.peer.empty() ? name : measurement.peer + ": " + name;
 }
 
 namespace {
@@ -49,7 +49,7 @@ std::optional<std::size_t> recommend(std::span<const Measurement> measurements, 
   for (const Measurement& one : measurements) {
     if (counts(one) && one.error_rms <= target) fastest = std::min(fastest, one.seconds);
   }
-  // Along the front the error falls: the last one in reach of the fastest is the most exact of them.
+  // Along the front the error decreases: the last setting near the fastest is the most exact of them.
   std::optional<std::size_t> chosen;
   for (const std::size_t k : pareto_front(measurements)) {
     if (measurements[k].error_rms <= target && measurements[k].seconds <= fastest * (1.0 + tolerance)) chosen = k;
@@ -76,7 +76,7 @@ std::string key(const Measurement& one) {
   return one.pass + '\n' + one.method + '\n' + one.setting + '\n' + one.peer.substr(0, one.peer.find(' '));
 }
 
-/// after / before, both at least `floor`. What became no number is infinitely worse.
+/// Returns after / before, both at least `floor`. A value that became NaN is infinitely worse.
 double ratio(double before, double after, double floor) {
   if (std::isnan(after)) return std::isnan(before) ? 1.0 : HUGE_VAL;
   if (std::isnan(before)) return 0.0;
@@ -192,7 +192,7 @@ std::string to_text(const Comparison& comparison) {
          (comparison.regressed() ? "some are worse than before.\n" : "none is worse than before.\n");
 }
 
-// Measuring one.
+// Measuring a report.
 
 namespace {
 

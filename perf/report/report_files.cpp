@@ -84,7 +84,7 @@ void each_measurement(const Report& report, const Visit& visit) {
   }
 }
 
-/// Elements of arrays on a line of their own, so that a person and a diff find their way.
+/// Returns JSON with one line per element of arrays, for readers and diffs.
 std::string lines_of(const Json& document) {
   std::string text = "{";
   const char* comma = "\n";
@@ -107,7 +107,7 @@ std::string lines_of(const Json& document) {
   return text + "\n}\n";
 }
 
-/// Quoted where RFC 4180 asks for it.
+/// Returns the text, quoted where RFC 4180 requires it.
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -188,7 +188,7 @@ std::string to_csv(const Report& report) {
 
 namespace {
 
-/// One list of all that has changed, in the order of its weight.
+/// Returns one list of all changes, in the order of their importance.
 Json json_of(const Comparison& comparison) {
   Json changes = Json::array();
   const auto add = [&](const std::vector<Change>& all, const char* what, const char* kind, double Measurement::*value) {
@@ -218,8 +218,8 @@ Json json_of(const Comparison& comparison) {
           {"changes", changes}};
 }
 
-void put(std::string& page, std::string_view place, const std::string& text) {
-  page.replace(page.find(place), place.size(), text);
+void put(std::string& page, std::string_view marker, const std::string& text) {
+  page.replace(page.find(marker), marker.size(), text);
 }
 
 }  // namespace
@@ -227,7 +227,7 @@ void put(std::string& page, std::string_view place, const std::string& text) {
 std::string to_html(const Report& report, const std::optional<Comparison>& comparison) {
   Json document = Json::parse(to_json(report));
   if (comparison) document["comparison"] = json_of(*comparison);
-  std::string safe;  // in a script nothing may look like its end
+  std::string safe;  // a script must not contain what looks like its end
   for (const char c : document.dump(-1, ' ', false, Json::error_handler_t::replace)) {
     safe += c == '<' ? "\\u003c" : std::string(1, c);
   }

@@ -37,7 +37,7 @@ ErrorNorms errors_of(const ProjectSky& project, const std::vector<double>& eleva
   return together(cases);
 }
 
-/// Seconds of an update, over suns that climb.
+/// Returns the seconds of an update, over rising suns.
 double seconds_of(const ProjectSky& project, const Stopwatch& stopwatch) {
   constexpr int calls = 64;
   SphericalHarmonics light(3);
