@@ -5,7 +5,7 @@
 // worker last. The witness waits until PART has been done again and again, by which time whatever the library destroyed
 // too early has been used. Another result than the first time, or an error, ends the program with 1.
 //
-// worker_outlives_main in_passing: posts every part many times and returns from main when some are done; nobody waits.
+// worker_outlives_main in_passing: posts every part many times and returns from main when some are done, without waits.
 #include <array>
 #include <atomic>
 #include <chrono>

@@ -21,7 +21,7 @@ std::vector<dvec3> many_directions() {
   return directions;
 }
 
-/// What a shader reads: bilinear, at a place of the square without its border.
+/// Returns what a shader reads, bilinearly, at a position in the square without its border.
 dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>& place) {
   const int size = map.level_size(level);
   const int border = map.border >> level;
@@ -41,7 +41,7 @@ dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>
   return sum;
 }
 
-/// Of the texels of a map of `inner` texels without a border; relative error 1e-4.
+/// Returns the solid angles of the texels of a map of `inner` texels without a border; relative error 1e-4.
 std::vector<double> octahedral_solid_angles(int inner) {
   constexpr int parts = 8;
   std::vector<double> steradians(static_cast<std::size_t>(inner) * static_cast<std::size_t>(inner));

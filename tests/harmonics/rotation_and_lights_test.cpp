@@ -196,7 +196,7 @@ TEST_CASE("Light without a direction has no dominant light", "[sh][dominant]") {
   CHECK_FALSE(dominant_light(SphericalHarmonics(3)));
   CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 3)));
   CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 1)));
-  // What a projection's rounding leaves of a uniform sky.
+  // A uniform sky with the rounding error of a projection.
   CHECK_FALSE(dominant_light(add(constant_radiance({1, 1, 1}, 3), point_light({0, 1, 0}, glm::dvec3(1e-7), 3))));
   SphericalHarmonics broken = point_light({0, 1, 0}, {1, 1, 1}, 3);
   broken.at(1, 0).r = std::numeric_limits<double>::quiet_NaN();
@@ -252,7 +252,7 @@ TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[s
     CHECK(relative_error(found, integrated_cap(solid_angle, kMaximumBands)) < 1e-13);
     RandomLight light(71);
     const glm::dvec3 direction = light.direction();
-    const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // half a turn about it takes z there
+    const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // 180 degrees about it take z there
     const glm::dquat rotation(0.0, half.x, half.y, half.z);
     CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), rotate(found, rotation)) <
           1e-13);

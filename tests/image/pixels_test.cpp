@@ -126,7 +126,7 @@ TEST_CASE("Solid angles of a face are computed once for each size, texel by texe
     }
     CAPTURE(size);
     CHECK(wrong == 0);
-    // Those of some texels are the same.
+    // A selection of texels has the same angles.
     const std::int64_t last = std::int64_t{6} * size * size - 1;
     const std::vector<double> some = image::solid_angles_of(image::TexelGrid::cubemap(size), {0, last / 2, last});
     CHECK(some[0] == Approx(angles->at(0, 0)).epsilon(1e-11));

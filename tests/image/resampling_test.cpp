@@ -370,7 +370,7 @@ TEST_CASE("A turn is a cube's symmetry if it is within 1e-9 of one", "[symmetry]
   CHECK_FALSE(image::cube_symmetry_of(rotation));
 }
 
-// A lat-long that is turned about y by a share of a texel: sharp, within its range, every row's sum kept.
+// A lat-long rotated about y by a fraction of a texel stays sharp and within its range, and keeps every row's sum.
 
 namespace {
 

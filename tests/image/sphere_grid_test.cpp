@@ -42,7 +42,7 @@ glm::dvec3 value_at(const SphereGrid& grid, double x, double y) {
       const auto weight = [&](double distance) {
         return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
       };
-      // Over the poles, half a turn on; with two rings over both.
+      // Past a pole, columns / 2 on; with two rings past both poles.
       int at_ring = ring;
       int at_column = column;
       while (at_ring < 0 || at_ring >= rings) {
@@ -207,7 +207,7 @@ std::vector<glm::dvec3> texels_of(const Cubemap& map) {
   return texels;
 }
 
-/// The same at a direction: libm's angles.
+/// Returns the grid's value at a direction, by libm's angles.
 glm::dvec3 value_at(const SphereGrid& grid, const glm::dvec3& to) {
   return value_at(grid, (0.5 - std::atan2(to.x, to.z) / (2.0 * kPi)) * grid.columns() - 0.5,
                   std::atan2(std::hypot(to.x, to.z), to.y) / kPi * grid.rings() - 0.5);

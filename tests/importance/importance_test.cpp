@@ -16,7 +16,7 @@ namespace welkin::test {
 
 namespace {
 
-/// What picks a direction.
+/// Two numbers in [0, 1) that pick a direction.
 struct Numbers {
   double across;
   double down;
@@ -63,7 +63,7 @@ std::vector<Numbers> independent(int count, unsigned seed) {
   return points;
 }
 
-/// Bits of all that a table holds.
+/// Compares the bits of all that a table holds.
 bool same(const ImportanceTable& a, const ImportanceTable& b) {
   return same_bytes<float>(a.function, b.function) && same_bytes<float>(a.row_cdf, b.row_cdf) &&
          same_bytes<float>(a.column_cdf, b.column_cdf) && a.integral == b.integral;
@@ -276,7 +276,7 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
         largest = std::max(largest, std::abs(rows[row] * within[k] - expected));
       }
     }
-    // Of a lone row without light the columns are even.
+    // A lone row without light has uniform columns.
     if (height > 1 || width > 1) CHECK(largest < 1e-7);
 
     const ImportancePyramid pyramid = importance_pyramid(table);

@@ -1,4 +1,4 @@
-// What callers give and may ask of any call: directions, and the `Control` of work that takes long.
+// Contracts of all calls: the directions that they take, and the `Control` of work that takes long.
 #include "image/sphere_grid.h"
 #include "math/basis.h"
 #include "reflections/brdf_table.h"
@@ -28,7 +28,7 @@ namespace welkin::test {
 
 namespace {
 
-/// What a call makes of a direction, as numbers.
+/// A call that takes a direction, with its result as numbers.
 struct Taking {
   const char* name;
   std::function<std::vector<double>(const dvec3&)> call;
@@ -167,8 +167,8 @@ namespace {
 struct Work {
   const char* name;
   std::function<void(const Control&)> run;
-  std::vector<double> moments{};  ///< shares that are done when it is asked to stop, beside none
-  int reports = 1;                ///< so many are more than there need be
+  std::vector<double> moments{};  ///< shares of the work at which it is cancelled, in addition to 0
+  int reports = 1;                ///< minimum number of reports
 };
 
 const std::vector<double> kLate{0.02, 0.3, 0.6, 0.9};
@@ -263,7 +263,7 @@ std::vector<Work> skies() {
            {0.1}}};
 }
 
-/// Those whose tiles' heap is watched by other tests.
+/// Work whose tiles' heap use other tests check.
 std::vector<Work> integrals() {
   const auto small = std::make_shared<TestCubemap>(make_cubemap(Content::random, 4, 3, 2));
   const auto large = std::make_shared<TestCubemap>(make_cubemap(Content::random, 256, 3, 1));

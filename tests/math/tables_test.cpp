@@ -176,7 +176,7 @@ TEST_CASE("What is looked for is found if it is there, and counts as used", "[ta
   math::TableCache<int, Table> cache(100);
   CHECK(cache.find(1) == nullptr);
   const auto first = cache.get(1, [&] {
-    CHECK(cache.find(1) == nullptr);  // not yet, and nobody waits
+    CHECK(cache.find(1) == nullptr);  // not yet, and without waiting
     return make(40);
   });
   cache.get(2, [] { return make(40); });
@@ -205,7 +205,7 @@ TEST_CASE("The least recently used tables go when the bound is reached", "[table
   CHECK(built == 3);
   get(2);
   CHECK(built == 4);
-  CHECK(held->size == 40);  // whoever holds a table keeps it
+  CHECK(held->size == 40);  // a held table stays alive
 }
 
 TEST_CASE("A table larger than the bound is handed out and not kept", "[tables]") {

@@ -107,8 +107,8 @@ TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estim
   }
 }
 
-// Promise: one program integrates images over kernels, and its truths agree: a kernel is shared out among all texels,
-// and a cosine is the same by whatever name it comes.
+// Promise: one program integrates images over kernels, and its references agree: a kernel's integrals over all texels
+// add up to that over the sphere, and a cosine's integral is the same under every name.
 
 namespace {
 

@@ -220,7 +220,7 @@ TEST_CASE("What moments weigh gives every texel its integral", "[projection][str
                                       {544, 10},
                                       {1024, 16}}) {
       REQUIRE(projection::StripWeights::serve(size, bands));
-      // Rows at the edge, between and at the middle; columns likewise.
+      // Rows and columns at the edge, between, and at the middle.
       for (const int strip : {0, size / 80, size / 2 / kStripRows - 1}) {
         for (const int column : {0, size / 64 * 16, size / 2 - 16}) {
           // A harmonic of l bands is at most (2 l - 1) / 4 pi squared: sqrt(5), or more, times as large as Y(0, 0).
@@ -279,7 +279,7 @@ TEST_CASE("Large faces: what is not finite is replaced, counted, and leaves othe
       cubemap.pixels[at] = value;
       replaced.pixels[at] = value > 0.0F ? 65504.0F : 0.0F;
     }
-    if (channels == 4) cubemap.pixels[4003] = std::numeric_limits<float>::quiet_NaN();  // an alpha: nobody reads it
+    if (channels == 4) cubemap.pixels[4003] = std::numeric_limits<float>::quiet_NaN();  // an alpha, which is ignored
     const Projection result = project(cubemap.view());
     CHECK(same_bits(result.radiance, project(replaced.view()).radiance));
     CHECK(result.diagnostics.nans_replaced == 1);

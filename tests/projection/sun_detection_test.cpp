@@ -1,4 +1,4 @@
-// Suns in images: found where they are and nowhere else, taken out without a loss, real ones as well.
+// Suns in images and photographs: found where they are and nowhere else, and extracted without loss.
 #include "projection/sun_detection.h"
 
 #include "places.h"
@@ -358,7 +358,7 @@ std::vector<double> green_irradiance(const LatLongImage& image, const std::vecto
   return result;
 }
 
-/// Root mean square error over that of the truth.
+/// Returns the root mean square error over the root mean square of the reference.
 double relative_rms(const std::vector<double>& found, const std::vector<double>& truth) {
   double error = 0.0;
   double square = 0.0;
@@ -419,7 +419,7 @@ TEST_CASE("A sun of one colour takes no other", "[image][sun]") {
 }
 
 TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun][shared][truth]") {
-  // Largest radius in degrees and least share of the light; 0: no sun. The hotel room's spotlight is as good as a sun.
+  // Maximum radius in degrees and minimum fraction of luminance; 0: no sun. The hotel room's spotlight counts as one.
   const std::map<std::string, std::pair<double, double>> expected{
       {"blender_city.exr", {0.6, 0.2}},         {"blender_sunrise.exr", {0.8, 0.5}},
       {"blender_sunset.exr", {0.6, 0.02}},      {"openexr_KernerEnvLatLong.exr", {1.7, 0.2}},

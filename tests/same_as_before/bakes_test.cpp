@@ -1,4 +1,4 @@
-// Promise: bakes, whole, planned, from files, from the cache and in a worker, have the bits of before
+// Promise: bakes, whole, planned, from files, from the cache and in a worker, are bit-identical to those on record
 // (see projections_test.cpp).
 #include "support/catch.h"
 #include "support/chains.h"

@@ -15,8 +15,8 @@
 namespace welkin::test {
 namespace {
 
-/// What `const char* function()` of a shared library that this program has loaded says of its version; none if there
-/// is no such function to be found.
+/// Returns the version that `const char* function()` of a loaded shared library states, or nullopt if there is no such
+/// function.
 std::optional<std::string> library_version(const char* function) {
   void* const symbol = loaded_function(function);
   if (symbol == nullptr) return std::nullopt;

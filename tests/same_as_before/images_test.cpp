@@ -1,4 +1,4 @@
-// Promise: resampled, prefiltered and tabulated images have the bits of before (see projections_test.cpp).
+// Promise: resampled, prefiltered and tabulated images are bit-identical to those on record (see projections_test.cpp).
 #include "reflections/prefilter.h"
 #include "support/catch.h"
 #include "support/recorded_results.h"
@@ -186,7 +186,7 @@ TEST_CASE("Roughness schedules are the same as before", "[same_as_before]") {
   require_as_recorded("roughness", results);
 }
 
-// Tables are kept by the process, so that a second request would compare a table with itself: each is asked for once.
+// The process keeps tables, so that a second request would compare a table with itself: each is requested once.
 TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
   std::vector<NamedResult> results;
   for (const auto& [model_name, model] : {std::pair{"split_sum", BrdfModel::split_sum},

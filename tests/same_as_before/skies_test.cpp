@@ -1,4 +1,4 @@
-// Promise: computed skies have the bits of before (see projections_test.cpp).
+// Promise: computed skies are bit-identical to those on record (see projections_test.cpp).
 #include "cache/recipe.h"
 #include "sky/spectrum.h"
 #include "support/catch.h"
@@ -44,7 +44,7 @@ Atmosphere custom_atmosphere() {
   return air;
 }
 
-/// Of four wavelengths, to be folded to colours.
+/// Returns the Earth at four wavelengths, to be folded to colours.
 Atmosphere earth_of_four() { return earth_bruneton({400.0, 500.0, 600.0, 700.0}); }
 
 std::vector<glm::dvec3> suns() {

@@ -26,8 +26,8 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   struct Planet {
     Atmosphere air;
     std::int64_t paths;
-    double noise;   ///< the standard error's bound, as a share of the truth
-    double errors;  ///< standard errors that an estimate may be off by
+    double noise;   ///< bound of the standard error, relative to the reference
+    double errors;  ///< how many standard errors an estimate may be off
   };
   struct Place {
     double height;  ///< share of the air's thickness
@@ -75,7 +75,7 @@ TEST_CASE("sky paths: sums over shells are the quadrature's", "[sky][air]") {
   }
 }
 
-// The truth about single scattering is what can be written down, where it can.
+// Single scattering against closed forms, where there are any.
 
 namespace {
 
@@ -149,7 +149,7 @@ TEST_CASE("sky reference: light goes both ways alike", "[sky][air]") {
 }
 
 TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
-  // Exponential air over a ball of 20 scale heights, thick enough that its end does not count: along the horizon
+  // Exponential air over a sphere of 20 scale heights, thick enough that its end does not count: along the horizon
   // R exp(x) K1(x), x = R / H (Chapman 1931); upwards H.
   Atmosphere air = earth_bruneton();
   air.bottom_radius_m = 1000.0;

@@ -168,7 +168,7 @@ Atmosphere shell(double radius_m, double depth) {
 
 }  // namespace
 
-// What an aerosol of any lobe scatters in a slab over black ground goes up or arrives below.
+// All light that an aerosol of any lobe scatters in a slab over black ground leaves at the top or arrives below.
 TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpness",
           "[sky][tables][view][haze][truth]") {
   SkyTableOptions options{.heights = 16, .orders = 24, .convergence_threshold = 1e-4};
@@ -230,7 +230,7 @@ bool sound(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float value) { return value >= 0.0F && std::isfinite(value); });
 }
 
-/// Of what the sun sends.
+/// Bound of the irradiance on the ground, relative to the solar irradiance.
 constexpr double kMaxOnGround = 1.1;
 constexpr SkyTableOptions kUsable{.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 4};
 

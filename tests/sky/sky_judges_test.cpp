@@ -1,4 +1,4 @@
-// The sky beside programs that nobody here wrote.
+// Skies against independent programs.
 //
 // CDISORT 2.1.3 (Stamnes et al. 1988, "Numerically stable algorithm for discrete-ordinate-method radiative transfer"),
 // plane-parallel, 50 streams, 55 layers, intensity correction: molecules of scale height 8 km, aerosol of 1.2 km with a
@@ -239,9 +239,8 @@ TEST_CASE("What thick air over bright ground sends of further orders is estimate
 
 // Bruneton's tables as npm ships them, @takram/three-atmosphere 0.19.1 (assets/scattering.bin,
 // single_mie_scattering.bin and higher_order_scattering.bin): the constants of Hillaire 2020 under a top of 60 km over
-// a ground of albedo 0.1, four orders, half floats. Which side errs where they and `SkyTables` differ? The truth is
-// single scattering by adaptive quadrature in double and orders two to four by Monte Carlo, neither of which knows a
-// table.
+// a ground of albedo 0.1, four orders, half floats. Where they and `SkyTables` differ, the reference decides: single
+// scattering by adaptive quadrature in double and orders two to four by Monte Carlo, neither of which uses a table.
 
 namespace {
 

@@ -205,8 +205,8 @@ TEST_CASE("sky projections refuse what they cannot do", "[sky][harmonics][slow]"
   CHECK(projector.directions() == 2 * 16 * 16);
 }
 
-// Promise: with nothing but defaults a sky's nine coefficients are within 0.5 % of the truth, tables, view and
-// quadrature or curve together, for suns from the zenith to 6 degrees below the horizon.
+// Promise: with all defaults a sky's nine coefficients are within 0.5 % of the reference, tables, view and quadrature
+// or curve together, for suns from the zenith to 6 degrees below the horizon.
 
 TEST_CASE("defaults are within 0.5 % of the truth from 90 to -6 degrees", "[sky][harmonics][truth]") {
   const Atmosphere air = with_ground_albedo(earth_bruneton(), 0.0);

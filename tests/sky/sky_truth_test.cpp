@@ -115,7 +115,7 @@ TEST_CASE("Single scattering matches the truth at texels", "[sky][tables][truth]
     double all_by_night = 0.0;
     for (int i = 0; i < 400; ++i) {
       const Texel t = texel(tables, any(o.heights), any(o.view_zeniths), any(o.sun_angles), any(o.sun_zeniths));
-      // At the horizon itself the truth may take the other side.
+      // At the horizon itself the reference may fall on the other side.
       if (std::abs(t.view.zenith_cosine - sky::horizon_cosine(air.bottom_radius_m, t.altitude)) < 1e-9) continue;
       const std::vector<double> truth =
           reference_sky_radiance(air, t.altitude, glm::normalize(t.direction()), glm::normalize(t.to_sun()),
@@ -137,8 +137,8 @@ TEST_CASE("Single scattering matches the truth at texels", "[sky][tables][truth]
 
 namespace {
 
-/// Light scattered or reflected twice that arrives along a texel's ray, by direct integration over points of the ray
-/// and all directions about each, from the single-scattering truth.
+/// Returns the light scattered or reflected twice that arrives along a texel's ray, by direct integration of the
+/// single-scattering reference over points of the ray and all directions about each.
 std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
   constexpr int points = 7;
   constexpr int zeniths = 10;
@@ -253,7 +253,7 @@ TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables][
   }
 }
 
-// Singly scattered skies against the dense truth in double precision.
+// Singly scattered skies against the dense reference in double precision.
 
 namespace {
 
@@ -396,16 +396,16 @@ std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, 
 
 }  // namespace
 
-// A panel of altitudes that begins at the ground took six nodes that knew nothing of the ray: 0.6 % too long next to
-// the horizon, and 1.5e-3 of the ground's light.
+// A panel of altitudes from the ground up used to have six nodes regardless of the ray: 0.6 % too long next to the
+// horizon, and 1.5e-3 of the ground's light.
 TEST_CASE("sky view: the ground's light comes through the air in front of it to 1e-6", "[sky][view][truth]") {
   constexpr int kHalf = 32;
-  // A layer that is thin beside the scale height: a panel begins just above the ground.
+  // A layer much thinner than the scale height: a panel begins just above the ground.
   Atmosphere layered = earth_bruneton();
   layered.name = "layered";
   layered.aerosol.density = {{1.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 1.0, -1.0 / 1200.0, 0.0, 0.0}};
   for (const Atmosphere& air : {earth_bruneton(), mars(), layered}) {
-    SkyTables tables;  // no more of them is looked at
+    SkyTables tables;  // only these members are read
     tables.atmosphere = air;
     tables.options.view_zeniths = 2 * kHalf;
     tables.options.orders = 1;  // nothing goes straight on

@@ -1,4 +1,4 @@
-// The sun by date and place, beside astropy's and beside what geometry demands.
+// The sun's position by date and site, against astropy's and against geometry.
 #include <glm/geometric.hpp>
 
 #include "math/elementary.h"

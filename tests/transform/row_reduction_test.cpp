@@ -52,7 +52,7 @@ std::vector<double> errors_of(const Spectrum& a, const Spectrum& b) {
   return errors;
 }
 
-/// What row_reduction.h says of degree l, its next orders, and float rounding.
+/// Returns the error bound that row_reduction.h states for degree l, with its next orders and float rounding.
 double bound_at(int l, const Shape& shape, double rounding) {
   const ReducedShape reduced = transforms::reduced_shape(shape.width, shape.height, shape.bands);
   const double degree = (l + 2) * std::numbers::pi / reduced.rows;
@@ -114,7 +114,7 @@ TEST_CASE("Few rows have the harmonics of all rows", "[transform][reduction]") {
 TEST_CASE("Only sources finer than their bands are brought to fewer rows", "[transform][reduction]") {
   CHECK(transforms::reduced_shape(1024, 512, 415) == ReducedShape{});
   CHECK(transforms::reduced_shape(8192, 4096, 415) == ReducedShape{832, 2048, 2});
-  CHECK(transforms::reduced_shape(8191, 4096, 415) == ReducedShape{});  // half a turn is no whole number of columns
+  CHECK(transforms::reduced_shape(8191, 4096, 415) == ReducedShape{});  // 180 degrees are no whole number of columns
   CHECK(transforms::reduced_shape(8190, 4096, 415) == ReducedShape{832, 8190, 0});
   CHECK(transforms::reduced_shape(2, 4096, 1) == ReducedShape{32, 2, 0});
   const TestLatLong noise = make_lat_long(Content::random, 257, 128, 3);
@@ -192,7 +192,7 @@ TEST_CASE("Columns are halved as the definition says", "[transform][reduction][k
   }
 }
 
-// Promise: a dark image has the bits of a bright one, smaller by a power of two. Flushed denormals do not show.
+// Promise: a dark image's results are a bright one's, scaled exactly by a power of two. Flushed denormals do not show.
 
 namespace {
 

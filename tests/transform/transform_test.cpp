@@ -153,7 +153,7 @@ TEST_CASE("Synthesis gives the sum over the harmonics", "[specular][transform][s
   }
 }
 
-// What the transform must keep at hundreds of bands: energy, symmetry, dark skies beside a sun.
+// Properties that the transform must keep at hundreds of bands: energy, symmetry, dark skies next to a sun.
 
 namespace {
 
@@ -216,7 +216,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
     CHECK(largest_error < 5e-4);                                  // coefficients go up to 40
     CHECK(std::sqrt(squares / (4.0 * std::numbers::pi)) < 6e-4);  // of the background, which is 1
 
-    // And back: far from the sun and near it, against the sum in double of the very same coefficients.
+    // And back: far from the sun and near it, against the sum of the same coefficients in double.
     std::vector<double> lobe;
     for (int l = 0; l < bands; ++l) lobe.push_back(std::exp(-2.0 * alpha * l));
     SphereGrid grid(height, width, GridContent::samples);
