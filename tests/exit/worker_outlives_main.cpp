@@ -46,10 +46,10 @@ std::atomic<bool> witnessed{false};  ///< whether the witness is to wait
   std::_Exit(1);
 }
 
-/// Waits until `counter` has reached `least`.
-void await(const std::atomic<int>& counter, int least, const char* otherwise) {
+/// Waits until `counter` has reached `minimum`.
+void await(const std::atomic<int>& counter, int minimum, const char* otherwise) {
   const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (counter < least) {
+  while (counter < minimum) {
     if (std::chrono::steady_clock::now() > until) fail(otherwise);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }

@@ -44,8 +44,8 @@ void call_tables(Calls& calls, const Atmosphere& air) {
   const SkyTables tables = calls.call("precompute_sky(", [&] { return precompute_sky(air, options); });
   calls.call("interpolate_sky(", [&] {
     const std::vector<SkyTables> both{tables, tables};
-    const std::array places{0.0, 1.0};
-    return interpolate_sky(air, both, places, 0.3);
+    const std::array positions{0.0, 1.0};
+    return interpolate_sky(air, both, positions, 0.3);
   });
   options.colour = SkyColour::linear_srgb;
   options.layout = ScatteringLayout::compact;

@@ -72,8 +72,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* first, std::size_t cou
   if (count < kEntryHeaderBytes) return 0;
   const ByteSpan payload = bytes.subspan(kEntryHeaderBytes);
   const EntryHeader header = entry_header({EntryKind::projection, {1, 2}}, payload);
-  const auto own = read_entry_header({reinterpret_cast<const std::uint8_t*>(&header), sizeof header});
-  if (!own || !is_payload_of(*own, payload)) std::abort();
+  const auto parsed = read_entry_header({reinterpret_cast<const std::uint8_t*>(&header), sizeof header});
+  if (!parsed || !is_payload_of(*parsed, payload)) std::abort();
   decode_all(payload);
   return 0;
 }

@@ -19,18 +19,18 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// The least of a dense grid: above the true minimum by about (bands / points)^2.
-glm::dvec3 least_of_dense_grid(const SphericalHarmonics& harmonics, int rings) {
-  glm::dvec3 least(std::numeric_limits<double>::infinity());
+/// Returns the lowest values of a dense grid: above the true minimum by about (bands / points)^2.
+glm::dvec3 lowest_of_dense_grid(const SphericalHarmonics& harmonics, int rings) {
+  glm::dvec3 lowest(std::numeric_limits<double>::infinity());
   for (int ring = 0; ring <= rings; ++ring) {
     const double polar = kPi * ring / rings;
     for (int k = 0; k < 2 * rings; ++k) {
       const double azimuth = kPi * k / rings;
-      least = glm::min(least, evaluate(harmonics, {std::sin(polar) * std::cos(azimuth),
-                                                   std::sin(polar) * std::sin(azimuth), std::cos(polar)}));
+      lowest = glm::min(lowest, evaluate(harmonics, {std::sin(polar) * std::cos(azimuth),
+                                                     std::sin(polar) * std::sin(azimuth), std::cos(polar)}));
     }
   }
-  return least;
+  return lowest;
 }
 
 }  // namespace
@@ -42,11 +42,11 @@ TEST_CASE("No point of a dense grid is lower than the minimum, and one is nearly
       const SphericalHarmonics harmonics = light.harmonics(bands);
       const HarmonicMinimum found = minimum(harmonics);
       const int rings = 20 * bands;
-      const glm::dvec3 least = least_of_dense_grid(harmonics, rings);
+      const glm::dvec3 lowest = lowest_of_dense_grid(harmonics, rings);
       CAPTURE(bands, k);
       for (int c = 0; c < 3; ++c) {
-        CHECK(found.value[c] <= least[c] + 1e-12);
-        CHECK(found.value[c] >= least[c] - 0.01 * norm(harmonics));
+        CHECK(found.value[c] <= lowest[c] + 1e-12);
+        CHECK(found.value[c] >= lowest[c] - 0.01 * norm(harmonics));
         CHECK(std::abs(evaluate(harmonics, found.direction[c])[c] - found.value[c]) < 1e-12 * norm(harmonics));
         CHECK(glm::length(found.direction[c]) == Approx(1.0).epsilon(1e-14));
       }
@@ -102,13 +102,13 @@ TEST_CASE("Of several valleys that run around the sphere, level or nearly so, th
       }
       const HarmonicMinimum found = minimum(zonal);
       const int steps = 500;
-      glm::dvec3 least(std::numeric_limits<double>::infinity());
+      glm::dvec3 lowest(std::numeric_limits<double>::infinity());
       for (int i = -steps; i <= steps; ++i) {
         const double polar = kPi * i / steps;
-        least = glm::min(least, evaluate(zonal, {std::sin(polar), 0.0, std::cos(polar)}));
+        lowest = glm::min(lowest, evaluate(zonal, {std::sin(polar), 0.0, std::cos(polar)}));
       }
       CAPTURE(bands, k);
-      for (int c = 0; c < 3; ++c) CHECK(found.value[c] <= least[c] + 1e-12);
+      for (int c = 0; c < 3; ++c) CHECK(found.value[c] <= lowest[c] + 1e-12);
     }
   }
 }
@@ -199,10 +199,10 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
   CHECK(none.parameter == 0.0);
   CHECK(none.factors == std::vector<double>(6, 1.0));
   CHECK(none.minimum_before == none.minimum_after);
-  const WindowResult least = apply_window(light, Window::min_laplacian);
+  const WindowResult laplacian = apply_window(light, Window::min_laplacian);
   for (int l = 0; l < 6; ++l) {
-    CHECK(least.factors[static_cast<std::size_t>(l)] ==
-          Approx(1.0 / (1.0 + least.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
+    CHECK(laplacian.factors[static_cast<std::size_t>(l)] ==
+          Approx(1.0 / (1.0 + laplacian.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
   }
 }
 

@@ -119,9 +119,9 @@ TEST_CASE("Solid angles of a face are computed once for each size, texel by texe
     for (int row = 0; row < size; ++row) {
       image::cubemap_row_solid_angles(std::min(row, size - 1 - row), row_angles);
       for (int column = 0; column < size; ++column) {
-        const double own = angles->at(row, column);
-        const bool right = std::abs(own / row_angles[static_cast<std::size_t>(column)] - 1.0) <= 1e-11;
-        wrong += right && own == angles->at(column, row) ? 0 : 1;
+        const double angle = angles->at(row, column);
+        const bool right = std::abs(angle / row_angles[static_cast<std::size_t>(column)] - 1.0) <= 1e-11;
+        wrong += right && angle == angles->at(column, row) ? 0 : 1;
       }
     }
     CAPTURE(size);

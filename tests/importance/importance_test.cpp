@@ -258,11 +258,11 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
     const auto probabilities = [](std::span<const AliasEntry> entries) {
       std::vector<double> result(entries.size(), 0.0);
       for (std::size_t k = 0; k < entries.size(); ++k) {
-        const double own = static_cast<double>(entries[k].own);
-        REQUIRE(own >= 0.0);
-        REQUIRE(own <= 1.0);
-        result[k] += own / static_cast<double>(entries.size());
-        result.at(entries[k].other) += (1.0 - own) / static_cast<double>(entries.size());
+        const double keep = static_cast<double>(entries[k].own);
+        REQUIRE(keep >= 0.0);
+        REQUIRE(keep <= 1.0);
+        result[k] += keep / static_cast<double>(entries.size());
+        result.at(entries[k].other) += (1.0 - keep) / static_cast<double>(entries.size());
       }
       return result;
     };

@@ -72,8 +72,8 @@ std::vector<Taking> calls_about_light() {
        }},
       {"octahedral_encode",
        [](const dvec3& d) {
-         const std::array<double, 2> place = octahedral_encode(d);
-         return std::vector<double>{place[0], place[1]};
+         const std::array<double, 2> position = octahedral_encode(d);
+         return std::vector<double>{position[0], position[1]};
        }},
       {"probe_irradiance", [](const dvec3& d) { return numbers(probe_irradiance(lit_probe(), {}, d)); }},
   };

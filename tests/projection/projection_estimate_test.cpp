@@ -189,10 +189,10 @@ namespace {
 /// from where its row stops being integrated texel by texel on.
 double worst_of_lone_texel(const EnvironmentView& view, const TexelGrid& grid, int row, int column) {
   const auto texels = texel_integrals_of(grid);
-  projection::TexelRow places(static_cast<std::size_t>(grid.columns()));
-  texels->fill(row, places);
+  projection::TexelRow centres(static_cast<std::size_t>(grid.columns()));
+  texels->fill(row, centres);
   const auto i = static_cast<std::size_t>(column);
-  const glm::dvec3 centre(places.x[i], places.y[i], places.z[i]);
+  const glm::dvec3 centre(centres.x[i], centres.y[i], centres.z[i]);
   const glm::dvec3 aside = glm::normalize(glm::cross(centre, glm::dvec3(0.36, 0.48, 0.8)));
   std::vector<glm::dvec3> axes;
   for (const double degrees : {30.0, 50.0, 65.0}) {

@@ -122,11 +122,11 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
     std::vector<double> first_set;
     std::vector<float> first_planes;
     for (const InstructionSet set : available_instruction_sets()) {
-      platform::AlignedBuffer<float> room(static_cast<std::size_t>(projection::strip_scratch(moments)));
+      platform::AlignedBuffer<float> scratch(static_cast<std::size_t>(projection::strip_scratch(moments)));
       platform::AlignedBuffer<double> sums(27 * projection::kSumLanes);
       std::fill_n(sums.data(), sums.size(), 0.0);
       projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].sum(
-          pieces, texels, weights.data(), room.data(), sums.data());
+          pieces, texels, weights.data(), scratch.data(), sums.data());
       std::vector<double> folded(27);
       projection::projection_kernels(set).fold_sum_lanes(sums.data(), 27, folded.data());
       for (std::size_t k = 0; k < folded.size(); ++k) {
@@ -139,7 +139,7 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
       platform::AlignedBuffer<float> planes(expected_planes.size());
       std::fill_n(planes.data(), planes.size(), 0.0F);
       projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].fold(
-          pieces, texels, room.data(), planes.data());
+          pieces, texels, scratch.data(), planes.data());
       int wrong = 0;
       for (std::size_t k = 0; k < planes.size(); ++k)
         wrong += std::abs(static_cast<double>(planes.data()[k]) - expected_planes[k]) < 2e-3 ? 0 : 1;

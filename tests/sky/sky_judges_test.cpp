@@ -309,13 +309,13 @@ template <class Light>
 glm::dvec3 at_nodes(const Light& light, const Angles& at) {
   const double last = share_of(-0.5);
   const double a = share_of(at.sun);
-  const glm::dvec3 place(63.0 * share_of(at.view), 31.0 * std::max(1.0 - a / last, 0.0) / (1.0 + a),
-                         3.5 * (at.between + 1.0));
-  const glm::dvec3 low = glm::min(glm::floor(place), glm::dvec3(62.0, 30.0, 6.0));
+  const glm::dvec3 position(63.0 * share_of(at.view), 31.0 * std::max(1.0 - a / last, 0.0) / (1.0 + a),
+                            3.5 * (at.between + 1.0));
+  const glm::dvec3 low = glm::min(glm::floor(position), glm::dvec3(62.0, 30.0, 6.0));
   glm::dvec3 sum(0.0);
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 node = low + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2);
-    const glm::dvec3 near = 1.0 - glm::abs(place - node);
+    const glm::dvec3 near = 1.0 - glm::abs(position - node);
     const double view = cosine_of(node.x / 63.0);
     const double part = node.y / 31.0;
     const double sun = cosine_of(std::min(last * (1.0 - part) / (1.0 + part * last), last));

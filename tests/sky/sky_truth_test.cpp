@@ -153,8 +153,8 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
     const double s = t.view.length * u * u;
     const double weight = 0.5 * along.weights[i] * 2.0 * u * t.view.length;
     const double radius = air.bottom_radius_m + t.altitude;
-    const dvec3 place = dvec3(0.0, radius, 0.0) + s * t.direction();
-    const dvec3 up = glm::normalize(place);
+    const dvec3 point = dvec3(0.0, radius, 0.0) + s * t.direction();
+    const dvec3 up = glm::normalize(point);
     const double altitude = sky::altitude_along(air.bottom_radius_m, t.altitude, t.view.zenith_cosine, s);
     const double mu = glm::dot(up, t.direction());
     const dvec3 north = glm::normalize(sun - up * glm::dot(sun, up));
@@ -215,10 +215,10 @@ TEST_CASE("The second order matches direct integration over all directions", "[s
   options.orders = 2;
   options.truncate_orders = true;
   const SkyTables twice = precompute_sky(air, options);
-  struct Place {
+  struct Node {
     int height, view, angle, sun;
   };
-  for (const Place& p : some_of(2, {Place{2, 24, 3, 27}, Place{5, 21, 0, 22}, Place{1, 18, 4, 19}})) {
+  for (const Node& p : some_of(2, {Node{2, 24, 3, 27}, Node{5, 21, 0, 22}, Node{1, 18, 4, 19}})) {
     const Texel t = texel(twice, p.height, p.view, p.angle, p.sun);
     REQUIRE(!t.view.ground);
     REQUIRE(t.view.zenith_cosine > 0.0);

@@ -149,9 +149,9 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
         const std::vector<float> shares = noise_of(static_cast<std::size_t>(kShares * edges), 6);
         std::vector<float> sums = noise_of(kShares * width, 7);
         std::vector<double> truth(sums.begin(), sums.end());
-        std::array<float*, kShares> places{};
+        std::array<float*, kShares> totals{};
         for (std::size_t k = 0; k < kShares; ++k) {
-          places[k] = sums.data() + k * width;
+          totals[k] = sums.data() + k * width;
           for (std::size_t i = 0; i < width; ++i) {
             for (std::size_t edge = 0; edge < static_cast<std::size_t>(edges); ++edge) {
               const double step = static_cast<double>(rows[(edge + 1) * stride + 3 + i]) - rows[edge * stride + 3 + i];
@@ -161,7 +161,7 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
         }
         std::vector<const float*> pointers;
         for (int row = 0; row <= edges; ++row) pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
-        transforms::fourier_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats}, places.data());
+        transforms::fourier_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats}, totals.data());
         double error = 0.0;
         for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - sums[i]));
         CHECK(error < 2e-6);
