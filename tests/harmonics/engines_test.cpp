@@ -28,7 +28,7 @@ glm::dvec2 welkin_image(const glm::dvec3& d) {
   return wrapped(0.5 - std::atan2(d.x, d.z) / (2.0 * kPi), 0.5 - std::asin(d.y) / kPi);
 }
 
-// v from the bottom in three of these, as textures have it: turned over here.
+// Three of these measure v from the bottom, as textures do; it is flipped here.
 glm::dvec2 babylon_image(const glm::dvec3& d) {
   return wrapped(0.5 + std::atan2(d.x, d.z) / (2.0 * kPi), std::acos(d.y) / kPi);
 }

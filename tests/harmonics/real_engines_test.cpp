@@ -124,8 +124,8 @@ TEST_CASE("three.js's own generator reads a cube texture as the convention says"
   CHECK(deviation(engine_light_unrotated(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
 }
 
-// Promises: for the cubemaps that ../shared/oracles/web asked the real Babylon.js and three.js about, their numbers are
-// those that `--from ENGINE --for ENGINE` gives of the same faces. Skipped where that folder is not.
+// Promises: for the cubemaps of ../shared/oracles/web, the recorded results of the real Babylon.js and three.js are
+// those that `--from ENGINE --for ENGINE` gives for the same faces. Skipped where that folder is missing.
 
 namespace {
 
@@ -146,7 +146,7 @@ const Case kCases[] = {
     {"quad_diag_64", 64, [](const glm::dvec3& d, int, int, int) { return d * d; }},
     {"orient_16", 16, [](const glm::dvec3&, int f, int x, int y) { return glm::dvec3(f + 1, x, 2 * y); }}};
 
-// As the command turns light: out of the frames of CubemapView in which the engine's faces lie, into its axes.
+// Rotates light as the command does: from the frames of CubemapView, in which the engine's faces lie, into its axes.
 EngineLight light_of_faces(const SphericalHarmonics& faces, Engine engine) {
   const Convention& of = convention(engine);
   return engine_light(rotate(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);

@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-// Promise: turned coefficients are those of the turned function; turns compose and undo. (10 000 of them, and
+// Promise: rotated coefficients are those of the rotated function; rotations compose and invert. (10 000 of them, and
 // quaternions of any length: tests/stability.)
 
 namespace {
@@ -136,7 +136,7 @@ TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
   }
 }
 
-// Promise: of a constant and a directional light the dominant light is that directional light; it turns with the light.
+// Promise: of a constant and a directional light the dominant light is the directional one; it rotates with the light.
 
 TEST_CASE("A directional light over a constant comes back", "[sh][dominant]") {
   RandomLight light(61);

@@ -1,4 +1,4 @@
-// The least value of harmonics, and the windows that keep light from being negative.
+// The minimum of harmonics, and the windows that keep light from being negative.
 #include "harmonics/windowing.h"
 
 #include "harmonics/derivatives.h"
@@ -207,7 +207,7 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
 }
 
 TEST_CASE("The minimum-Laplacian window is found where the minimum falls before it rises", "[sh][window]") {
-  // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: least at z = -1, where the window takes band 2's help away first.
+  // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: lowest at z = -1, where the window first reduces band 2, which raises it.
   const auto light = [](double constant) {
     SphericalHarmonics radiance(3);
     radiance.at(0, 0) = glm::dvec3(constant / (cosine_lobe(0) * std::sqrt(1.0 / (4.0 * kPi))));

@@ -74,7 +74,7 @@ TEST_CASE("each bit of a BC6H block is one bit of one of its numbers", "[image][
       image::pack_bc6h(fields, packed.data());
       REQUIRE(packed == block);
       const image::Bc6hMode& found = image::bc6h_mode(mode);
-      // A bit of the partition may move an anchor, and with it all indices behind: it is not turned round here.
+      // A bit of the partition may move an anchor, and with it all later indices: it is not flipped here.
       for (int bit = found.prefix_bits; bit < 128; ++bit) {
         if (found.two_lines && bit >= 77 && bit < 82) continue;
         Block turned = block;

@@ -1,4 +1,4 @@
-// Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, turns by whole texels.
+// Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, rotations by whole texels.
 #include "image/pixels.h"
 
 #include <Imath/half.h>
@@ -262,7 +262,7 @@ TEST_CASE("Mips that cannot be are refused", "[mips]") {
         }).says("no levels"));
 }
 
-// Promise: a turn that takes texels to texels moves every texel as it is, bit for bit.
+// Promise: a rotation that maps texels to texels copies every texel bit for bit.
 
 namespace {
 

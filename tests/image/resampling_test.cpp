@@ -1,4 +1,4 @@
-// Resampling between cubemaps and lat-longs, by filter and by area; and turns of either.
+// Resampling between cubemaps and lat-longs, by filter and by area; and rotations of either.
 #include "welkin/resampling.h"
 
 #include "image/area_weights.h"
@@ -18,7 +18,7 @@
 
 namespace welkin::test {
 
-// Promise: resampling keeps light where it is, knows no seams, and gives the same bits on any number of threads.
+// Promise: resampling keeps light where it is, has no seams, and is bit-identical on any number of threads.
 
 namespace {
 
@@ -86,7 +86,7 @@ TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]"
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, ResampleFilter::bilinear).pixels(), wanted.pixels()) <
           0.01);
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels(), smooth_cubemap(64, kAskew).pixels()) < 0.01);
-    // By area a texel next to the pole goes on to the pole as it is.
+    // By area a texel next to the pole extends to the pole unchanged.
     CHECK(worst_difference(to_cubemap(coarse.view(), 64).pixels(), wanted.pixels()) < 0.02);
   }
 }
@@ -215,7 +215,7 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
             std::max(worst_off_poles, std::abs(static_cast<double>(by_area.pixels()[i]) - wanted.pixels()[i]));
       }
       CAPTURE(width, size);
-      // A texel's mean is not its centre's value: size 3. Next to a pole the first row goes on unchanged: size 600.
+      // A texel's mean is not its centre's value: size 3. Next to a pole the first row extends unchanged: size 600.
       CHECK(worst_difference(by_area.pixels(), wanted.pixels()) < (size == 3 ? 0.18 : 7e-3));
       CHECK(worst_off_poles < (size == 3 ? 0.18 : 2.5e-3));
       CHECK(worst_difference(bilinear.pixels(), wanted.pixels()) < 1e-3);

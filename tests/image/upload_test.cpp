@@ -157,7 +157,7 @@ TEST_CASE("upload: what does not fit is refused before anything is written") {
 
 namespace {
 
-/// Values over the whole range, denormals and places halfway between two among them.
+/// Returns values over the whole range, denormals and midpoints between two values among them.
 std::vector<float> values_up_to(float largest, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<float> values{0.0F, largest, std::numeric_limits<float>::denorm_min(), 0x1p-24F, 0x1p-25F, 0x3p-26F};

@@ -75,7 +75,7 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
   }
 }
 
-// Seen: 905 times the estimate, which was made of the coefficients alone, and those know nothing of a pattern that
+// Regression: the error was 905 times an estimate from the coefficients alone, which do not contain a pattern that
 // cells average away.
 TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target][estimates][truth]") {
   for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {

@@ -249,7 +249,7 @@ TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[proj
         for (int t = 0; t < chunk.column_count; ++t) {
           const auto truth = static_cast<double>(fine[static_cast<std::size_t>(f * projection::kChunk + t)]);
           const auto weight = static_cast<double>(weights[f * projection::kChunk + t]);
-          // A float's last place, and what the rule may be off by: row 0 is the solid angle times Y(0, 0).
+          // A float's last bit, and the rule's error: row 0 is the solid angle times Y(0, 0).
           const double most = 1.2e-7 * std::abs(truth) + 2e-8 * static_cast<double>(fine[t]);
           wrong += std::abs(weight - truth) <= most ? 0 : 1;
         }

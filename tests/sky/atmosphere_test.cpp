@@ -8,7 +8,7 @@
 
 namespace welkin::test {
 
-// Every parameter of an atmosphere is checked, by its name; what the presets and the random ones are passes.
+// Every parameter of an atmosphere is checked, and named if wrong; presets and random atmospheres pass.
 
 namespace {
 

@@ -147,7 +147,7 @@ SkyView ground_view(const Atmosphere& air, int orders) {
 
 const std::vector<double> kElevations{60.0, 20.0, 5.0, 0.0, -4.0};
 
-/// The largest difference of a channel between two views, as a share of what the second sees.
+/// Returns the largest difference of a channel between two views, relative to the second.
 double largest_difference(const SkyView& found, const SkyView& wanted, int channel) {
   double worst = 0.0;
   for (const double elevation : kElevations) {
@@ -197,8 +197,8 @@ TEST_CASE("asymmetries: the same at all wavelengths is the bits of one", "[sky][
   CHECK(std::ranges::equal(found_light.coefficients(), wanted_light.coefficients()));
 }
 
-// Wavelengths share the places where rays are cut and the brightness that they are read by between suns, which leaves
-// 0.2 % on the light of one order, and on that of four what nodes so few leave undetermined.
+// Wavelengths share the positions at which rays are cut and the brightness by which they are interpolated between suns.
+// That costs 0.2 % of the light of one order, and in that of four what so few nodes leave undetermined.
 TEST_CASE("asymmetries: each wavelength has the sky of its own", "[sky][asymmetries][truth]") {
   for (const AerosolPhase phase : {AerosolPhase::henyey_greenstein, AerosolPhase::cornette_shanks}) {
     for (const int orders : {1, 4}) {

@@ -88,8 +88,8 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
   }
 }
 
-// All that falls on the top, pi r^2, leaves it again: scattered and reflected, over all places of the planet, or having
-// passed by the ground without being scattered. Orders that add less than 1e-4 are estimated.
+// All light that falls on the top, pi r^2, leaves it again: scattered and reflected, over the whole planet, or
+// unscattered past the ground. Orders that add less than 1e-4 are estimated.
 TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[sky][tables][truth]") {
   for (const double depth : {0.1, 0.5}) {
     const Atmosphere air = conservative(depth, 0.6);
@@ -117,8 +117,8 @@ TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[
   }
 }
 
-// Narrower than the directions lie apart over which orders are summed: light that an aerosol turns by a degree or two
-// reaches the ground as if there were none, as light that goes straight on is not scattered at all.
+// The lobe is narrower than the spacing of the directions over which orders are summed. Light that an aerosol deflects
+// by a degree or two reaches the ground as if there were none, as light that goes straight on is not scattered at all.
 TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tables][truth]") {
   SkyTableOptions options = small_options(32);
   options.convergence_threshold = 1e-4;

@@ -18,7 +18,7 @@ namespace welkin::test {
   return tables;
 }
 
-/// Small ones with two orders.
+/// Returns small tables with two orders.
 [[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth_bruneton(),
                                                                    ScatteringLayout layout = ScatteringLayout::full,
                                                                    SkyColour colour = SkyColour::spectral) {

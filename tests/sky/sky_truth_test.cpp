@@ -25,7 +25,7 @@ using std::numbers::pi;
 
 double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine))); }
 
-/// A texel of a scattering table, as a place, a ray and a sun.
+/// A texel of a scattering table, as an altitude, a ray and a sun.
 struct Texel {
   std::size_t index;
   double altitude;
@@ -188,11 +188,11 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
         }
       }
     }
-    // Between the start and the place: the ratio of two rays to the top (upwards) does.
+    // The transmittance from the start to the point is the ratio of two rays to the top (upwards).
     const std::vector<double> from_start = reference_transmittance(air, t.altitude, t.view.zenith_cosine);
-    const std::vector<double> from_place = reference_transmittance(air, altitude, mu);
+    const std::vector<double> from_point = reference_transmittance(air, altitude, mu);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double through = from_start[c] / from_place[c];
+      const double through = from_start[c] / from_point[c];
       const double molecules = std::exp(altitude * air.rayleigh.density[0].exponential_scale_per_m);
       const double aerosol = std::exp(altitude * air.aerosol.density[0].exponential_scale_per_m);
       sum[c] += weight * through *
@@ -381,9 +381,9 @@ TEST_CASE("sky view: a singly scattered sky is the truth to half a percent, and 
 
 namespace {
 
-/// Share of light that gets through a ray's air, from the ground to its start: the two ways to the top in its place, by
-/// their cosines. R mu at the ground is (rho^2 - d^2) / (2 d), rho being the distance of the horizon; at the start (R +
-/// h) mu is larger by the distance d.
+/// Returns a ray's transmittance from the ground to its start, from the two rays to the top by their cosines. R mu at
+/// the ground is (rho^2 - d^2) / (2 d), rho being the distance of the horizon; at the start (R + h) mu is larger by the
+/// distance d.
 std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, double distance) {
   const double radius = air.bottom_radius_m;
   const double rho = sky::tangent_distance(radius, altitude);

@@ -301,7 +301,7 @@ TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon 
   struct Planet {
     Atmosphere air;
     double bound;
-    double eight = 0.0;  ///< the least share that eight orders have at night
+    double eight = 0.0;  ///< the minimum share that eight orders have at night
   };
   // on Mars half of an order's light is scattered once more, and dust makes it last longest opposite to the sun
   for (const Planet& planet :

@@ -69,7 +69,7 @@ TEST_CASE("sky view: one direction and many give the same bits", "[sky][view][de
   }
 }
 
-// The readable twin: the same lookup by the slice's own functions, one direction at a time.
+// The readable counterpart: the same lookup by the slice's own functions, one direction at a time.
 
 namespace {
 

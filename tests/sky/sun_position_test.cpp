@@ -113,7 +113,7 @@ TEST_CASE("sun position: azimuths are those of sun_direction, and north may be p
   CHECK(degrees_between(rotated.direction, dvec3(-1.0, 1.0, -1.0) * evening.direction) < 1e-9);
   CHECK(rotated.compass_degrees == evening.compass_degrees);
 
-  // Longitude and the hour are one: a turn of the Earth, and the place where all is the same, come out equal.
+  // Longitudes that are 360 degrees apart are the same site.
   const double moment = unix_seconds("2000-05-05T05:05:05Z");
   const SunObserver here{.latitude_degrees = -33.0, .longitude_degrees = 151.0};
   const SunObserver around{.latitude_degrees = -33.0, .longitude_degrees = 151.0 - 360.0};
