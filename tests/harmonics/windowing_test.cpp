@@ -164,7 +164,7 @@ SphericalHarmonics sunny(const glm::dvec3& direction, const glm::dvec3& irradian
   return add(constant_radiance(glm::dvec3(1.0), bands), point_light(direction, irradiance, bands));
 }
 
-glm::dvec3 least_irradiance(const SphericalHarmonics& radiance, double lambda) {
+glm::dvec3 lowest_irradiance(const SphericalHarmonics& radiance, double lambda) {
   std::vector<double> factors;
   for (int l = 0; l < radiance.bands(); ++l) factors.push_back(harmonics::min_laplacian_factor(l, lambda));
   return minimum(irradiance_from_radiance(harmonics::with_factors(radiance, factors))).value;
@@ -215,13 +215,13 @@ TEST_CASE("The minimum-Laplacian window is found where the minimum falls before 
     radiance.at(2, 0) = glm::dvec3(0.3 / (cosine_lobe(2) * std::sqrt(5.0 / (4.0 * kPi))));
     return radiance;
   };
-  CHECK(least_irradiance(light(0.5), 0.0).x == Approx(-0.2).epsilon(1e-12));
-  CHECK(least_irradiance(light(0.5), 0.01).x < -0.24);
+  CHECK(lowest_irradiance(light(0.5), 0.0).x == Approx(-0.2).epsilon(1e-12));
+  CHECK(lowest_irradiance(light(0.5), 0.01).x < -0.24);
   for (const double constant : {0.2, 0.5, 0.69}) {
     const double lambda = apply_window(light(constant), Window::min_laplacian).parameter;
     CAPTURE(constant, lambda);
     CHECK(std::abs(constant - 1.0 / (1.0 + 4.0 * lambda) + 0.3 / (1.0 + 36.0 * lambda)) < 1e-9);
-    CHECK(least_irradiance(light(constant), 0.999 * lambda).x < 0.0);
+    CHECK(lowest_irradiance(light(constant), 0.999 * lambda).x < 0.0);
   }
   CHECK(apply_window(light(0.7001), Window::min_laplacian).parameter == 0.0);  // although windows in between would ring
 }
@@ -245,7 +245,7 @@ TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser on
       }
       CHECK(found.parameter > 0.0);
       for (const double share : {0.0, 0.1, 0.5, 0.9, 0.99, 0.99999}) {
-        CHECK(smallest(least_irradiance(radiance, share * found.parameter) / mean) < -1e-9);
+        CHECK(smallest(lowest_irradiance(radiance, share * found.parameter) / mean) < -1e-9);
       }
     }
   }
