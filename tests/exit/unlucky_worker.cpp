@@ -159,7 +159,7 @@ void own_worker_of_busy_process() {
   worker.reset();
 }
 
-/// All but so much of the address space, in blocks.
+/// Allocates all but so much of the address space, in blocks.
 std::vector<std::unique_ptr<char[]>> take_all_but(std::size_t mebibytes) {
   constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
   constexpr std::size_t kMax = 4096;

@@ -31,7 +31,7 @@ using welkin::portability::hash_of;
 using welkin::portability::lat_long;
 
 constexpr int kThreads = 2;
-constexpr int kRounds = 4;  ///< that the witness waits for
+constexpr int kRounds = 4;  ///< number that the witness waits for
 constexpr std::chrono::seconds kPatience{60};
 
 /// Static objects in the order in which they are made; they are destroyed in the reverse one.
@@ -76,7 +76,7 @@ std::uint64_t sky() {
   return hash_of(projector.project(welkin::sun_direction(20.0, 30.0)));
 }
 
-/// Which formats there are, and what they hold.
+/// Checks which formats exist and which sample types they hold.
 std::uint64_t write() {
   const std::filesystem::path nowhere("a_folder_that_is_not_there");
   welkin::portability::Hash refused;
@@ -92,7 +92,7 @@ std::uint64_t write() {
   return refused.value();
 }
 
-/// An OpenEXR file, written and read, that each thread has for itself.
+/// Writes and reads an OpenEXR file, a separate one for each thread.
 std::uint64_t openexr() {
   static std::atomic<int> files{0};
   thread_local const int file = files++;

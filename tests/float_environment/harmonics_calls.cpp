@@ -1,4 +1,4 @@
-// Coefficients of spherical harmonics, and what engines want of them.
+// Coefficients of spherical harmonics, and the forms that engines need.
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 

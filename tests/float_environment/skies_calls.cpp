@@ -64,7 +64,7 @@ void call_tables(Calls& calls, const Atmosphere& air) {
 void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
   const glm::dvec3 sun = sun_direction(7.3, 41.0);
   const glm::dvec3 direction(0.36, 0.48, -0.8);
-  // An object has no numbers to compare, but what its functions give.
+  // The object itself has no numbers to compare, but its functions' results have.
   calls.call("SkyView::SkyView(shared_ptr", [&] { return SkyView(tables, 1234.5).radiance(direction, sun); });
   const SkyView view(tables, 1234.5);
   calls.call("SkyView::radiance(dvec3", [&] { return view.radiance(direction, sun); });

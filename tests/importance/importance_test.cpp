@@ -69,8 +69,8 @@ bool same(const ImportanceTable& a, const ImportanceTable& b) {
          same_bytes<float>(a.column_cdf, b.column_cdf) && a.integral == b.integral;
 }
 
-/// Pearson's statistic of counts against probabilities, cells below 5 expected ones taken together; and how many cells
-/// there were, less one.
+/// Pearson's statistic of counts against probabilities, with cells below 5 expected counts merged; and the number of
+/// cells, less one.
 struct ChiSquare {
   double statistic = 0.0;
   int degrees = -1;
@@ -183,7 +183,7 @@ TEST_CASE("importance: directions are picked as often as the density says", "[im
 }
 
 TEST_CASE("importance: within a texel directions are even by solid angle", "[importance]") {
-  // Two rows: of each half a sphere, the mean of y over evenly picked directions is 1/2.
+  // Two rows: over uniform directions of either hemisphere the mean of |y| is 1/2.
   LatLongImage image = grey_lat_long(2, 2, 0.0F);
   set_texel(image, 1, 0, 1.0F);
   const ImportanceTable table = importance_table(image.view());

@@ -23,7 +23,7 @@
 
 namespace welkin::test {
 
-// Promise: a direction may have any finite length but 0, which changes the result by no more than rounding; one that is
+// Promise: a direction may have any finite length but 0, which changes the result by no more than rounding. One that is
 // zero or not finite is refused.
 
 namespace {
@@ -159,8 +159,8 @@ TEST_CASE("directions that are refused are numbered among many", "[directions]")
         }).says("direction 2 is (0, 0, 0)"));
 }
 
-// Promises: a call ends when it is asked to, says how far it is by numbers that rise to 1, one at a time, and allocates
-// nothing inside tiles.
+// Promises: a call ends when it is cancelled, reports its progress by numbers that rise to 1, one at a time, and
+// allocates nothing inside tiles.
 
 namespace {
 
@@ -312,7 +312,7 @@ void check_control(const Work& work) {
   CHECK_FALSE(together);
 }
 
-/// `warm`: not in the first call, which makes tables.
+/// `warm`: not on the first call, which builds tables.
 void check_tiles(const Work& work, bool warm) {
   run_with_threads(3, [&] {
     if (warm) work.run({});

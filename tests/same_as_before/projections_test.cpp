@@ -2,8 +2,8 @@
 // folder; all are on record in data/same_as_before.txt. A changed bit is a finding to be explained. Only public headers
 // are included here, so that the tests outlive changes of the internals.
 //
-// Left out are results that are made with libm, and so differ between C libraries: the reference projection, the
-// reference sky and its paths. Left out are words and times, too.
+// Results that use libm, and so differ between C libraries, are left out: the reference projection, the reference sky
+// and its paths. Texts and times are left out, too.
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"

@@ -28,7 +28,7 @@ struct Shape {
 /// Halvings of columns: 1, 2, none (the width does not divide by four), 3 and none.
 constexpr Shape kShapes[] = {{768, 384, 64}, {1536, 771, 48}, {1030, 513, 64}, {2048, 200, 60}, {130, 195, 33}};
 
-/// The root of the mean square over all coefficients but the mean's, which would hide the rest.
+/// Returns the root mean square over all coefficients but the mean's, which would hide the rest.
 double rms_of(const Spectrum& spectrum) {
   double squares = 0.0;
   for (int m = 0; m < spectrum.bands(); ++m) {
@@ -39,7 +39,7 @@ double rms_of(const Spectrum& spectrum) {
   return std::sqrt(squares / (3.0 * (spectrum.bands() * spectrum.bands() - 1.0)));
 }
 
-/// By degree: the root of the mean square over the orders of what `a` and `b` differ by.
+/// Returns, by degree, the root mean square over the orders of the difference of `a` and `b`.
 std::vector<double> errors_of(const Spectrum& a, const Spectrum& b) {
   std::vector<double> errors;
   for (int l = 0; l < a.bands(); ++l) {
@@ -62,7 +62,7 @@ double bound_at(int l, const Shape& shape, double rounding) {
   return 1.1 * (rows + columns) + rounding;
 }
 
-/// `scale`: what errors are shares of.
+/// Checks errors relative to `scale`.
 void check_errors(const LatLongImage& image, const Shape& shape, double scale, double rounding) {
   const std::vector<double> errors = errors_of(transforms::analyse(image.view(), shape.bands, {}),
                                                transforms::analyse(image.view(), shape.bands, {}, SourceRows::fewer));

@@ -81,7 +81,7 @@ TEST_CASE("Fast lengths are even and have small factors only", "[tables][transfo
   CHECK(transforms::fast_even_length(1025) == 1080);
 }
 
-// The fast transform gives what the definition gives, in double, at any size and number of bands.
+// The fast transform agrees with the definition in double, at any size and number of bands.
 
 namespace {
 
@@ -249,7 +249,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
 }
 
 TEST_CASE("Many bands begin where they should", "[specular][transform][slow]") {
-  // 1536 bands, the most there are, on few rings: every function that matters is there, however small it begins.
+  // 1536 bands, the maximum, on few rings: every function that matters is there, however small it begins.
   const int bands = 1536;
   transforms::Spectrum spectrum(bands);
   const int degree = bands - 1;
