@@ -234,13 +234,13 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
         }
         orders.push_back(m > 0 ? 2.0 * sum : sum);
       }
-      for (int column = 7; column < width; column += 97) {
-        const double angle = std::numbers::pi * (1.0 - 2.0 * (column + 0.5) / width);
+      for (int sample = 7; sample < width; sample += 97) {
+        const double angle = std::numbers::pi * (1.0 - 2.0 * (sample + 0.5) / width);
         double truth = 0.0;
         for (int m = 0; m < bands; ++m) {
           truth += (orders[static_cast<std::size_t>(m)] * std::polar(1.0, m * angle)).real();
         }
-        const double difference = std::abs(truth - static_cast<double>(grid.texel(column, ring)[2]));
+        const double difference = std::abs(truth - static_cast<double>(grid.texel(sample, ring)[2]));
         error = std::max(error, difference / std::max(1.0, std::abs(truth)));
       }
     }
