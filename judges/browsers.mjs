@@ -1,4 +1,4 @@
-// Draws our files in Chromium by renderers that nobody here wrote, and reads back what the two that prefilter make of a picture.
+// Draws our files in Chromium by independent renderers, and reads back what the two that prefilter make of an image.
 //
 //   node browsers.mjs MODULES WELKIN IMAGE FOLDER [RENDERER...]
 //
@@ -24,7 +24,7 @@ const canvas = '<canvas id="canvas" width="960" height="200"></canvas>';
 
 const mips = JSON.parse(readFileSync(join(folder, "gltf/manifest.json"), "utf8")).specular.length;
 const RENDERERS = {
-  // Khronos' glTF sample viewer: what its sampler makes of the picture; then our lambertian.ktx2 and ggx.ktx2 in its shader.
+  // Khronos' glTF sample viewer: what its sampler makes of the image; then our lambertian.ktx2 and ggx.ktx2 in its shader.
   gltf_viewer: pageOf(`${png}
 // Its sampler takes 1024 and 2048 samples for each of 256 x 256 x 6 texels: minutes without a GPU. Here 64, and faces of 64.
 const source = (await (await fetch("/viewer/gltf-viewer.module.js")).text()).replace("this.textureSize = 256", "this.textureSize = 64")
@@ -92,7 +92,7 @@ await drawn("gltf_viewer_ours");
 await post("/end", JSON.stringify({ mips, ours, error: gl.getError() }));
 `.replace("MIPS", mips), '<canvas id="canvas" width="2400" height="500"></canvas><script src="/viewer/libs/libktx.js"></script><script>var DracoDecoderModule = async () => ({})</script>'),
 
-  // PlayCanvas: the atlas that it makes of the picture (8-bit RGBP), and what it draws with it.
+  // PlayCanvas: the atlas that it makes of the image (8-bit RGBP), and what it draws with it.
   playcanvas: pageOf(`${png}
 const pc = await import("/playcanvas/build/playcanvas.mjs");
 const canvas = document.getElementById("canvas");

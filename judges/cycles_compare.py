@@ -1,6 +1,6 @@
-# Compares pictures of cycles_scene.py with shading by Welkin's harmonics, irradiance, chain and BRDF table.
+# Compares renders of cycles_scene.py with shading by Welkin's harmonics, irradiance, chain and BRDF table.
 #
-#   python cycles_compare.py IMAGE white_1.exr white_2.exr lit_1.exr lit_2.exr [PICTURE.png]
+#   python cycles_compare.py IMAGE white_1.exr white_2.exr lit_1.exr lit_2.exr [FIGURE.png]
 #
 # IMAGE is what was baked, two renders each have different seeds. With a and b their pixels and s ours, the mean of
 # (s - a)(s - b) is the mean square of our difference without that of the noise, which is that of (a - b)^2 / 4.
@@ -14,7 +14,7 @@ import png
 import welkin
 
 image, white_files, lit_files = sys.argv[1], sys.argv[2:4], sys.argv[4:6]
-picture = sys.argv[6] if len(sys.argv) > 6 else None
+figure = sys.argv[6] if len(sys.argv) > 6 else None
 
 # How the world's normals, as rows of Blender's axes, are in Welkin's.
 to_welkin = np.linalg.inv(np.asarray(welkin.conventions()["blender"].from_welkin))
@@ -117,7 +117,7 @@ lit = [pixels_of(each) for each in lit_files]
 source = pixels_of(image)
 table = np.asarray(welkin.brdf_table(width=128, height=128, sheen=False))
 failed = []
-ours_picture = np.zeros_like(lit[0])
+shaded = np.zeros_like(lit[0])
 
 harmonics = welkin.project(image, bands=3).radiance.irradiance().lambertian()
 many = welkin.project(image, bands=16).radiance.irradiance().lambertian()
@@ -139,12 +139,12 @@ row("matte sphere", "harmonics, 3 bands", harmonics(normals), at, None)
 row("matte sphere", "harmonics, 16 bands", many(normals), at, None)
 row("matte sphere", "irradiance cubemap of 64 (`lobe=\"lambert\"`)", in_cubemap(irradiance, normals), at, 0.5)
 row("matte sphere", "`direct_irradiance`, in double", welkin.direct_irradiance(image, normals) / np.pi, at, 0.5)
-ours_picture[at] = in_cubemap(irradiance, normals)
+shaded[at] = in_cubemap(irradiance, normals)
 rows, columns, normals, nv = sphere(1)
 at = (rows, columns)
 mirrored = 2 * nv[:, None] * normals - BACK
 row("mirror", "the image, bilinear", in_lat_long(source, mirrored), at, 0.5)
-ours_picture[at] = in_lat_long(source, mirrored)
+shaded[at] = in_lat_long(source, mirrored)
 # The level plane's inner pixels: its axes are the world's.
 columns, rows = np.meshgrid(np.arange(layout.WIDTH), np.arange(layout.HEIGHT))
 x = (columns + 0.5 - layout.WIDTH / 2) / layout.PIXELS - layout.FLOOR_CENTRE[0]
@@ -156,7 +156,7 @@ count = int(level.sum())
 up = to_welkin @ np.array([0.0, 0.0, 1.0])
 row("level plane", "harmonics, 16 bands", np.repeat(many(up)[None], count, 0), level, None)
 row("level plane", "irradiance cubemap of 64 (`lobe=\"lambert\"`)", np.repeat(in_cubemap(irradiance, up[None]), count, 0), level, 0.5)
-ours_picture[level] = in_cubemap(irradiance, up[None])
+shaded[level] = in_cubemap(irradiance, up[None])
 
 # Which of the 48 ways to name axes fits: the mirror of the one that the convention states is by far the best.
 turns = []
@@ -184,7 +184,7 @@ for number, (kind, roughness) in enumerate(layout.SPHERES):
     angles = np.linspace(0.05, 1, 48)
     as_cycles = np.interp(nv, angles, albedo(angles, roughness, False))[:, None]
     ours = in_table(table, nv, roughness).sum(1)[:, None]
-    ours_picture[at] = light * ours
+    shaded[at] = light * ours
     for rows_of, of in ((furnace, None), (own, light * as_cycles), (users, light * ours)):
         cells = []
         for low, high in RINGS:
@@ -207,18 +207,18 @@ for title, rows_of in (
     print("\n".join(rows_of))
 print("\nNoise of Cycles, percent rms of a pixel: " + ", ".join(noises))
 
-if picture:
+if figure:
     both = (lit[0] + lit[1]) / 2
     stated = np.zeros_like(both)
-    shown = ours_picture.sum(2) > 0
-    stated[shown] = np.where(np.abs(both[shown]) > 0, ours_picture[shown] / np.maximum(both[shown], 1e-9), 1)
+    shown = shaded.sum(2) > 0
+    stated[shown] = np.where(np.abs(both[shown]) > 0, shaded[shown] / np.maximum(both[shown], 1e-9), 1)
     error = np.full_like(both, 0.5)
     error[shown] = np.clip(0.5 + 2.5 * (stated[shown] - 1), 0, 1)  # grey is equal; +-20 % is white and black
     both[~shown] = 0
     scale = 0.5 / np.mean(both[shown])
     tone = lambda x: np.clip(x * scale / (1 + 0.4 * x * scale), 0, 1) ** (1 / 2.2)
-    row_ = np.concatenate([tone(both), tone(ours_picture), error], 1)
-    png.write(picture, np.repeat(np.repeat(row_, 2, 0), 2, 1))
+    row_ = np.concatenate([tone(both), tone(shaded), error], 1)
+    png.write(figure, np.repeat(np.repeat(row_, 2, 0), 2, 1))
 for each in failed:
     print("FAILED: " + each, file=sys.stderr)
 sys.exit(1 if failed else 0)

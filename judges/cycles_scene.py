@@ -2,7 +2,7 @@
 #
 #   blender -b --factory-startup -P cycles_scene.py -- FOLDER|white OUT.exr SAMPLES SEED
 #
-# The world is made by the code that the folder's README.md prints. The picture is linear, of 32-bit floats, without any
+# The world is made by the code that the folder's README.md prints. The image is linear, of 32-bit floats, without any
 # filter across pixels; nothing casts shadows or shows in anything else, so a pixel has the light of the environment alone.
 # The camera is orthographic: the normal of a pixel is known from its position (layout.py).
 import os

@@ -1,4 +1,4 @@
-# Where what stands in the picture of cycles_scene.py: in units of a sphere's radius, in the camera's axes.
+# Positions of the objects in the image of cycles_scene.py: in units of a sphere's radius, in the camera's axes.
 import math
 
 PIXELS = 24  # per unit

@@ -1,6 +1,6 @@
-# One day by Welkin, by Blender's Nishita and by its Hosek-Wilkie sky: a table in Markdown and a picture.
+# One day by Welkin, by Blender's Nishita and by its Hosek-Wilkie sky: a table in Markdown and an image.
 #
-#   python sky_compare.py FOLDER PICTURE.png      FOLDER as sky_scene.py wrote it
+#   python sky_compare.py FOLDER IMAGE.png        FOLDER as sky_scene.py wrote it
 import os
 import sys
 
@@ -9,7 +9,7 @@ import numpy as np
 import png
 import welkin
 
-folder, picture = sys.argv[1:3]
+folder, image = sys.argv[1:3]
 SUNS = (60, 30, 10, 5, 2, 0, -4)
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 ROWS, COLUMNS = 128, 256
@@ -80,4 +80,4 @@ for sun in SUNS:
         shown = fisheye(sky) * exposure
         tiles[model, sun] = np.clip(1 - np.exp(-2.2 * np.maximum(shown, 0)), 0, 1) ** (1 / 2.2)
 rows = [np.concatenate([tiles[model, sun] for sun in SUNS], 1) for model in ("Welkin", "nishita", "hosek_wilkie")]
-png.write(picture, np.concatenate(rows, 0))
+png.write(image, np.concatenate(rows, 0))

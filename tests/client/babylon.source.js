@@ -26,14 +26,14 @@ const environment = (scene, url) =>
     return texture;
   });
 
-/** The same picture, prefiltered by Babylon.js itself: with mips, harmonics, linear, prefiltered, supersampled. */
+/** The same image, prefiltered by Babylon.js itself: with mips, harmonics, linear, prefiltered, supersampled. */
 const panorama = (scene, url, size) =>
   loaded((done, failed) => new HDRCubeTexture(url, scene, size, false, true, false, true, done, failed, true));
 
-/** Babylon.js has the centre of a picture at +z, where its camera stands. */
+/** Babylon.js has the centre of an image at +z, where its camera stands. */
 const AHEAD = new Vector3(0, 0, 1);
 
-/** A model of glTF: one node at (1, 0, 0), where glTF's pictures have their centre. */
+/** A model of glTF: one node at (1, 0, 0), where glTF's images have their centre. */
 const MODEL = { asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }],
                 nodes: [{ name: "ahead", translation: [1, 0, 0] }] };
 
@@ -61,7 +61,7 @@ async function exact(scene, url, irradiance) {
   return texture;
 }
 
-/** The texture of each sphere, the same for all of them unless they are the truth; and where the picture's centre lies. */
+/** The texture of each sphere, the same for all of them unless they are the truth; and where the image's centre lies. */
 async function open(scene, source) {
   if (source.kind === "truth") {
     const irradiance = await environment(scene, source.irradiance);
@@ -101,7 +101,7 @@ function row(scene, { textures, ahead }) {
 
 /**
  * Orthographic, so that a pixel's normal does not depend on the sphere. The shader takes the view from the camera's place
- * all the same, so that this is far away. From the picture's centre, because our sunny picture's sun is reflected there.
+ * all the same, so that this is far away. From the image's centre, because our sunny image's sun is reflected there.
  */
 function view(scene, { ahead }) {
   const camera = new ArcRotateCamera("camera", Math.atan2(ahead.z, ahead.x), Math.PI / 2, 2000, Vector3.Zero(), scene);

@@ -1,12 +1,12 @@
 // Opens a page in Chromium and asks an engine what it makes of our files.
 //
 //   node client.mjs --engine babylon|playcanvas|three --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR
-//                   [--shared HDR_DIR] [--most PICTURES] [--all-wrong] [--figure FILE.png [--figure-of PICTURE.hdr]] [--record]
-//                   [--spheres FOLDER [--figure-of PICTURE.hdr]]
+//                   [--shared HDR_DIR] [--most IMAGES] [--all-wrong] [--figure FILE.png [--figure-of IMAGE.hdr]] [--record]
+//                   [--spheres FOLDER [--figure-of IMAGE.hdr]]
 //
-// For every picture: `welkin bake PICTURE.hdr -o DIR ...`, spheres lit by what that wrote, the same spheres lit by the engine's
-// own prefilter of the picture, and the same by cubemaps that hold each sphere's own roughness (the truth). How far they are
-// apart, and whether that is allowed. A file that is mirrored must be seen to be; with --all-wrong, of the first picture also
+// For every image: `welkin bake IMAGE.hdr -o DIR ...`, spheres lit by what that wrote, the same spheres lit by the engine's
+// own prefilter of the image, and the same by cubemaps that hold each sphere's own roughness (the truth). How far they are
+// apart, and whether that is allowed. A file that is mirrored must be seen to be; with --all-wrong, of the first image also
 // those that are turned or have other mips. three.js must not prefilter what we have. Exit code 1 if anything is not as it should
 // be. Where WELKIN_RANDOM_TRIALS is set, --most is no limit.
 import { execFileSync } from "node:child_process";
@@ -18,7 +18,7 @@ import { pathToFileURL } from "node:url";
 import { SPHERES } from "./spheres.js";
 import { compare, percent, tableRow, within } from "./compare.mjs";
 import { errorOfTruth } from "./direct.mjs";
-import { ENGINES, PICTURE, SIZE, TRUTH } from "./engines.mjs";
+import { ENGINES, IMAGE_WIDTH, SIZE, TRUTH } from "./engines.mjs";
 
 const flags = process.argv.slice(2);
 const flag = (name) => (flags.includes(name) ? flags[flags.indexOf(name) + 1] : undefined);
@@ -88,51 +88,51 @@ async function openPage(url) {
 
 const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignore", "ignore", "inherit"] });
 
-/** Bakes PICTURE into a folder; where its specular chain is, as the page sees it. */
-function bake(picture, folder, of, ...options) {
+/** Bakes `image` into a folder; returns where its specular chain is, as the page sees it. */
+function bake(image, folder, of, ...options) {
   // Of the files only an .env has diffuse light beside its chain.
-  run("bake", join(files, picture), "-o", join(files, folder), ...(of.endsWith(".env") ? [] : ["--irradiance", "0"]),
+  run("bake", join(files, image), "-o", join(files, folder), ...(of.endsWith(".env") ? [] : ["--irradiance", "0"]),
       "--no-brdf", "--no-previews", "--background-size", "16", ...(options.includes("--size") ? [] : ["--size", `${SIZE}`]), ...options);
   return `/${folder}/${of}`;
 }
 
-const ours = (picture, { name, kind, of, options }, ...more) =>
-  ({ kind, url: bake(picture, name, of, ...options, ...more) });
+const ours = (image, { name, kind, of, options }, ...more) =>
+  ({ kind, url: bake(image, name, of, ...options, ...more) });
 
 /**
  * For each sphere a cubemap of floats whose mip 0 has the sphere's own roughness. Mip 1 has roughness 1, whose lobe is the
  * cosine's: diffuse light, for three.js. Babylon.js is given that as a cubemap of its own.
  */
-function truth(picture) {
+function truth(image) {
   const { of, options } = engine.truth;
   const exact = [...options, "--ktx2-format", "rgba32f", "--size", `${TRUTH}`, "--roughness"];
   const wanted = SPHERES.map(({ roughness }) => engine.roughness(roughness));
   const chainOf = (roughness) =>
-    bake(picture, `truth-${roughness}`, of, ...exact, roughness < 1 ? `${roughness},1` : "1");
+    bake(image, `truth-${roughness}`, of, ...exact, roughness < 1 ? `${roughness},1` : "1");
   const chains = new Map([...new Set(wanted)].map((roughness) => [roughness, chainOf(roughness)]));
-  if (engine.direct) checkTruth(picture, chains);
+  if (engine.direct) checkTruth(image, chains);
   return { kind: "truth", urls: wanted.map((roughness) => chains.get(roughness)), irradiance: chains.get(1) };
 }
 
-function checkTruth(picture, chains) {
+function checkTruth(image, chains) {
   const pfm = join(files, "picture.pfm");
-  run("convert", join(files, picture), pfm, "--size", `${PICTURE}`);
+  run("convert", join(files, image), pfm, "--size", `${IMAGE_WIDTH}`);
   for (const roughness of engine.direct.roughness) {
     const error = errorOfTruth(ktx.read(readFileSync(join(files, chains.get(roughness)))), pfm, roughness);
-    console.log(`${picture}: the truth of roughness ${roughness} is ${error.toExponential(1)} from a sum over the picture's pixels`);
-    check(error <= engine.direct.allowed, `${picture}: the truth of roughness ${roughness} is not true`);
+    console.log(`${image}: the truth of roughness ${roughness} is ${error.toExponential(1)} from a sum over the picture's pixels`);
+    check(error <= engine.direct.allowed, `${image}: the truth of roughness ${roughness} is not true`);
   }
 }
 
-function pictures() {
+function images() {
   rmSync(files, { recursive: true, force: true });
   mkdirSync(files, { recursive: true });
-  run("testmap", "-o", join(files, "testmap.hdr"), "--size", `${PICTURE}`);
+  run("testmap", "-o", join(files, "testmap.hdr"), "--size", `${IMAGE_WIDTH}`);
   const list = ["testmap.hdr"];
   for (const name of ["potsdamer_platz_1k.hdr", "venice_sunset_1k.hdr"]) {
     const path = flag("--shared") && join(flag("--shared"), "env", name);
     if (!path || !existsSync(path)) continue;
-    run("convert", path, join(files, name), "--size", `${PICTURE}`);
+    run("convert", path, join(files, name), "--size", `${IMAGE_WIDTH}`);
     list.push(name);
   }
   return process.env.WELKIN_RANDOM_TRIALS ? list : list.slice(0, flag("--most") ?? list.length);
@@ -143,19 +143,19 @@ function check(holds, message) {
   if (!holds) failures.push(message);
 }
 
-// What was measured last, by engine, picture and row; with --record it is written anew. Allowed is half as much again, and
+// What was measured last, by engine, image and row; with --record it is written again. Allowed is half as much again, and
 // a thousandth: what is left to other versions of Chromium.
 const RECORD = join(here, "measured.json");
 const measured = existsSync(RECORD) ? JSON.parse(readFileSync(RECORD, "utf8")) : {};
 const found = {};
-const allowed = (picture, name) => measured[flag("--engine")]?.[picture]?.[name]?.map((error) => 1.5 * error + 0.001);
+const allowed = (image, name) => measured[flag("--engine")]?.[image]?.[name]?.map((error) => 1.5 * error + 0.001);
 
-function checkRow(picture, name, spheres) {
-  console.log(tableRow(`${picture}, ${name}`, spheres));
-  (found[picture] ??= {})[name] = spheres.map((error) => Number(error.toPrecision(3)));
+function checkRow(image, name, spheres) {
+  console.log(tableRow(`${image}, ${name}`, spheres));
+  (found[image] ??= {})[name] = spheres.map((error) => Number(error.toPrecision(3)));
   if (flags.includes("--record")) return;
-  const bounds = allowed(picture, name);
-  check(bounds && within(spheres, bounds), `${picture}, ${name}: more than ${bounds?.map(percent).join("  ")}`);
+  const bounds = allowed(image, name);
+  check(bounds && within(spheres, bounds), `${image}, ${name}: more than ${bounds?.map(percent).join("  ")}`);
 }
 
 function checkFrame(name, { frame }, isOurs) {
@@ -165,21 +165,21 @@ function checkFrame(name, { frame }, isOurs) {
   check(engine.checkFrame(frame, isOurs), `${name}: the first frame ${isOurs ? "prefilters" : "does not prefilter"}`);
 }
 
-async function judge(ask, picture, isFirst) {
-  const exact = await ask("measure", truth(picture), PIXELS);
-  const theirs = await ask("measure", { kind: "picture", url: `/${picture}`, size: SIZE }, PIXELS);
-  checkFrame(`${picture}, theirs`, theirs, false);
-  checkRow(picture, "theirs - truth", compare(theirs, exact));
+async function judge(ask, image, isFirst) {
+  const exact = await ask("measure", truth(image), PIXELS);
+  const theirs = await ask("measure", { kind: "picture", url: `/${image}`, size: SIZE }, PIXELS);
+  checkFrame(`${image}, theirs`, theirs, false);
+  checkRow(image, "theirs - truth", compare(theirs, exact));
   for (const file of engine.files) {
-    const made = await ask("measure", ours(picture, file), PIXELS);
-    checkFrame(`${picture}, ${file.name}`, made, true);
-    checkRow(picture, `${file.name} - truth`, compare(made, exact));
-    checkRow(picture, `${file.name} - theirs`, compare(made, theirs));
+    const made = await ask("measure", ours(image, file), PIXELS);
+    checkFrame(`${image}, ${file.name}`, made, true);
+    checkRow(image, `${file.name} - truth`, compare(made, exact));
+    checkRow(image, `${file.name} - theirs`, compare(made, theirs));
     for (const [how, ...options] of isFirst && flags.includes("--all-wrong") ? file.wrong : file.wrong.slice(0, 1)) {
-      const wrong = compare(await ask("measure", ours(picture, file, ...options), PIXELS), exact);
-      console.log(tableRow(`${picture}, ${file.name} ${how}`, wrong));
-      check(!within(wrong, allowed(picture, `${file.name} - truth`) ?? [0]),
-            `${picture}: ${file.name} ${how} is not told from a right one`);
+      const wrong = compare(await ask("measure", ours(image, file, ...options), PIXELS), exact);
+      console.log(tableRow(`${image}, ${file.name} ${how}`, wrong));
+      check(!within(wrong, allowed(image, `${file.name} - truth`) ?? [0]),
+            `${image}: ${file.name} ${how} is not told from a right one`);
     }
   }
 }
@@ -187,37 +187,37 @@ async function judge(ask, picture, isFirst) {
 const writePng = (path, dataUrl) => writeFileSync(path, Buffer.from(dataUrl.split(",")[1], "base64"));
 
 /**
- * Two pictures in the folder of --spheres: a chain within 1 % above one within 0.01 %, and a chain above spheres that are
+ * Draws two images in the folder of --spheres: a chain within 1 % above one within 0.01 %, and a chain above spheres that are
  * integrated directly, in all pixels. Below both, the difference.
  */
-async function drawSpheres(ask, picture) {
+async function drawSpheres(ask, image) {
   const halves = engine.files.find(({ kind }) => kind === "ktx2");
   const [loose, tight] = ["1e-2", "1e-4"].map((bound) =>
-    ours(picture, { ...halves, name: `bound-${bound}` }, "--rms-error", bound));
+    ours(image, { ...halves, name: `bound-${bound}` }, "--rms-error", bound));
   writePng(join(flag("--spheres"), "spheres_bounds.png"), await ask("figure", loose, tight, FIGURE_PIXELS, BOUNDS_GAIN));
-  run("convert", join(files, picture), join(files, "picture.pfm"), "--size", `${PICTURE}`);
-  const chain = ours(picture, halves);
+  run("convert", join(files, image), join(files, "picture.pfm"), "--size", `${IMAGE_WIDTH}`);
+  const chain = ours(image, halves);
   const direct = { kind: "direct", picture: "/picture.pfm", like: chain };
   writePng(join(flag("--spheres"), "spheres_direct.png"), await ask("figure", chain, direct, PIXELS, FIGURE_GAIN));
   const [read, integrated] = [await ask("measure", chain, PIXELS), await ask("measure", direct, PIXELS)];
-  console.log(tableRow(`${picture}, ${halves.name} - directly integrated spheres`, compare(read, integrated)));
+  console.log(tableRow(`${image}, ${halves.name} - directly integrated spheres`, compare(read, integrated)));
 }
 
 await build({ entryPoints: [join(here, `${flag("--engine")}.source.js`)], bundle: true, format: "esm", logLevel: "error",
               nodePaths: [join(modules, "node_modules")], outfile: join(work, "page.js") });
-const list = pictures();
+const list = images();
 const basis = join(modules, "node_modules/three/examples/jsm/libs"); // has basis/, the transcoder
 const server = await serve([work, here, files, basis]);
 const { browser, ask } = await openPage(`http://127.0.0.1:${server.address().port}`);
 try {
   console.log(`${await ask("about")}, in Chromium ${browser.version()}`);
   console.log(`| | ${SPHERES.map(({ name }) => name).join(" | ")} |`);
-  for (const picture of flags.includes("--spheres") ? [] : list) await judge(ask, picture, picture === list[0]);
+  for (const image of flags.includes("--spheres") ? [] : list) await judge(ask, image, image === list[0]);
   if (flag("--spheres")) await drawSpheres(ask, flag("--figure-of") ?? list[list.length - 1]);
   if (flag("--figure")) {
-    const picture = flag("--figure-of") ?? list[list.length - 1];
-    const theirs = { kind: "picture", url: `/${picture}`, size: SIZE };
-    const drawn = await ask("figure", ours(picture, engine.files[0]), theirs, FIGURE_PIXELS, FIGURE_GAIN);
+    const image = flag("--figure-of") ?? list[list.length - 1];
+    const theirs = { kind: "picture", url: `/${image}`, size: SIZE };
+    const drawn = await ask("figure", ours(image, engine.files[0]), theirs, FIGURE_PIXELS, FIGURE_GAIN);
     writePng(flag("--figure"), drawn);
   }
 } finally {

@@ -4,12 +4,12 @@ import { SPHERES } from "./spheres.js";
 
 /** Texels along an edge of a cubemap's face: ours and the engine's own. three.js makes none that is smaller. */
 export const SIZE = 256;
-/** Pixels across a picture: as many as go round such a cubemap. three.js chooses its cubemap's size by them. */
-export const PICTURE = 4 * SIZE;
+/** Pixels across an image: as many as go round such a cubemap. three.js chooses its cubemap's size by them. */
+export const IMAGE_WIDTH = 4 * SIZE;
 /** Texels along an edge of the truth's faces. */
 export const TRUTH = 512;
 
-/** Ways to bake a file that is not the picture's; a name and options of `welkin bake`. */
+/** Ways to bake a file that is not the image's; a name and options of `welkin bake`. */
 const MIRRORED = ["mirrored", "--mirror"];
 const TURNED = [MIRRORED, ["turned", "--yaw", "90"], ["back", "--yaw", "180"], ["overhead", "--rotation", "0,0,1,0"]];
 
@@ -22,7 +22,7 @@ export const ENGINES = {
     files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: TURNED },
             { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
               wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] },
-            // In glTF's axes, and seen from where these have the picture's centre.
+            // In glTF's axes, and seen from where these have the image's centre.
             { name: "glb", kind: "gltf", of: "environment.glb", options: ["--for", "gltf"], wrong: TURNED }],
     truth: { of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"] },
     /** The roughness that the shader makes of a material's: it adds 0.0005 to alpha. */
@@ -41,7 +41,7 @@ export const ENGINES = {
     truth: { of: "specular.ktx2", options: ["--for", "three", "--formats", "ktx2"] },
     /** The least roughness that the shader knows. */
     roughness: (given) => Math.max(given, 0.045),
-    /** Passes, draws and shaders of a first frame with a file of ours, and with the picture. */
+    /** Passes, draws and shaders of a first frame with a file of ours, and with the image. */
     checkFrame({ passes, draws, prefilters }, ours) {
       if (ours) return passes === 1 && draws === SPHERES.length && prefilters.length === 0;
       return passes > 1 && draws > SPHERES.length && prefilters.length > 0;

@@ -23,11 +23,11 @@ const { build } = (await load("esbuild")).default;
 
 mkdirSync(work, { recursive: true });
 const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignore", "ignore", "inherit"] });
-const picture = flag("--picture");
-run("bake", picture, "-o", join(work, "plain"), "--for", "three", "--no-previews", "--size", "256");
-run("bake", picture, "-o", join(work, "packed"), "--for", "three", "--no-previews", "--size", "256", "--supercompression", "zstd");
-run("convert", picture, join(work, "picture.exr"));
-writeFileSync(join(work, "picture.hdr"), readFileSync(picture));
+const image = flag("--picture");
+run("bake", image, "-o", join(work, "plain"), "--for", "three", "--no-previews", "--size", "256");
+run("bake", image, "-o", join(work, "packed"), "--for", "three", "--no-previews", "--size", "256", "--supercompression", "zstd");
+run("convert", image, join(work, "picture.exr"));
+writeFileSync(join(work, "picture.hdr"), readFileSync(image));
 writeFileSync(join(work, "index.html"), '<!doctype html><canvas></canvas><script type="module" src="page.js"></script>');
 await build({ entryPoints: [join(here, "first_frame.source.js")], bundle: true, format: "esm", logLevel: "error",
               nodePaths: [join(modules, "node_modules")], outfile: join(work, "page.js") });

@@ -1,5 +1,5 @@
 // The truth by three.js's conventions and none of Welkin's: the integral that a prefiltered texel stands for, summed over all
-// pixels of a picture.
+// pixels of an image.
 
 /** A .pfm in colour from its bytes: rows from below to above, little-endian. */
 export function readPfm(bytes) {
@@ -8,13 +8,13 @@ export function readPfm(bytes) {
   return { width, height, rgb: new Float32Array(Uint8Array.from(bytes.subarray(head.length)).buffer) };
 }
 
-/** Where three.js's `equirectUv` has the point (column, row) of a picture. Row 0 is the lowest. */
+/** Where three.js's `equirectUv` has the point (column, row) of an image. Row 0 is the lowest. */
 function directionOf(width, height, column, row) {
   const [latitude, longitude] = [(row / height - 0.5) * Math.PI, (column / width - 0.5) * 2 * Math.PI];
   return [Math.cos(longitude) * Math.cos(latitude), Math.sin(latitude), Math.sin(longitude) * Math.cos(latitude)];
 }
 
-/** A picture with the direction and the solid angle of each pixel. */
+/** An image with the direction and the solid angle of each pixel. */
 export function pixelsOf({ width, height, rgb }) {
   const direction = new Float64Array(3 * width * height);
   const area = new Float64Array(width * height);

@@ -19,10 +19,10 @@ async function atlas(url) {
   return loaded(new pc.Asset(name, type, { ...file, url: folder + file.url }, data));
 }
 
-/** The picture, prefiltered by PlayCanvas itself as its documentation says, into an atlas of `size` texels. */
+/** The image, prefiltered by PlayCanvas itself as its documentation says, into an atlas of `size` texels. */
 async function panorama(url, size) {
-  const picture = await loaded(new pc.Asset(url, "texture", { url }, { mipmaps: false, projection: "equirect" }));
-  const source = pc.EnvLighting.generateLightingSource(picture);
+  const image = await loaded(new pc.Asset(url, "texture", { url }, { mipmaps: false, projection: "equirect" }));
+  const source = pc.EnvLighting.generateLightingSource(image);
   const made = pc.EnvLighting.generateAtlas(source, { size });
   source.destroy();
   return made;

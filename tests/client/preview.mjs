@@ -25,7 +25,7 @@ const ALLOWED = 4; // of 255: a cubemap's interpolation, shared exponents and 8 
 const light = ([x, y, z]) => [0.5 + 0.4 * x, 0.5 + 0.4 * y, 0.5 + 0.4 * z];
 
 /** A lat-long by DESIGN: the centre looks along +z, +x lies a quarter in from the left. */
-function writePicture(path, height) {
+function writeImage(path, height) {
   const pixels = new Float32Array(3 * 2 * height * height);
   for (let row = 0; row < height; ++row)
     for (let column = 0; column < 2 * height; ++column) {
@@ -41,7 +41,7 @@ const plus = (a, b, k = 1) => a.map((value, i) => value + k * b[i]);
 const dot = (a, b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
-/** The page's camera where it begins: eye and the ray through a point of the picture, in [-1, 1] each. */
+/** The page's camera where it begins: eye and the ray through a point of the image, in [-1, 1] each. */
 const PITCH = 0.05;
 const BACK = [0, Math.sin(PITCH), Math.cos(PITCH)];
 const UP = [0, Math.cos(PITCH), -Math.sin(PITCH)];
@@ -49,9 +49,9 @@ const EYE = BACK.map((value) => 8 * value);
 const SLOPE = Math.tan(Math.PI / 8);
 const rayThrough = (x, y) => unit(plus(plus([SLOPE * (WIDTH / HEIGHT) * x, 0, 0], UP, SLOPE * y), BACK, -1));
 
-/** Where a point of the world stands in the picture. */
-function pointOf(place) {
-  const [right, up, away] = [place[0], dot(place, UP), 8 - dot(place, BACK)];
+/** Returns the position of a point of the world in the image. */
+function pointOf(point) {
+  const [right, up, away] = [point[0], dot(point, UP), 8 - dot(point, BACK)];
   return [right / away / (SLOPE * (WIDTH / HEIGHT)), up / away / SLOPE];
 }
 
@@ -72,7 +72,7 @@ function mirrored(ray, centre, radius) {
 }
 
 mkdirSync(folder, { recursive: true });
-writePicture(join(folder, "picture.pfm"), 128);
+writeImage(join(folder, "picture.pfm"), 128);
 execFileSync(flag("--welkin"), ["bake", join(folder, "picture.pfm"), "-o", join(folder, "out"), "--size", "128", "--preview", "html", "-q"]);
 
 const browser = await chromium.launch({ executablePath: flag("--browser"),
@@ -87,7 +87,7 @@ try {
   await page.goto(pathToFileURL(join(folder, "out", "preview.html")).href);
 
   /** Sets a control as a hand does, waits until it is drawn, and returns all pixels, row 0 below. */
-  const picture = async (id, value) => Buffer.from(await page.evaluate(async ([id, value]) => {
+  const rendered = async (id, value) => Buffer.from(await page.evaluate(async ([id, value]) => {
     if (id) {
       document.getElementById(id).value = value;
       document.getElementById(id).dispatchEvent(new Event("input", { bubbles: true }));
@@ -111,7 +111,7 @@ try {
   const backdrop = (bytes, to, gain = 1) =>
     Math.max(...CORNERS.map((point) => off(bytes, point, light(to(rayThrough(...point))).map((value) => gain * value))));
   const same = (d) => d;
-  const plain = await picture("exposure", 0);
+  const plain = await rendered("exposure", 0);
   const rows = { backdrop: backdrop(plain, same) };
   check(backdrop(plain, ([x, y, z]) => [-x, y, z]) > 10 * ALLOWED, "a mirrored backdrop would be taken for a right one");
 
@@ -122,16 +122,16 @@ try {
   const [left, rightOf] = [pixel(plain, places[1]), pixel(plain, places[2])];
   check(rightOf[0] > left[0] + 20, "the mirror does not show on its right what lies on the right");
 
-  rows["exposure -1"] = backdrop(await picture("exposure", -1), same, 0.5);
-  await picture("exposure", 0);
-  rows["rotation 90"] = backdrop(await picture("rotation", 90), ([x, y, z]) => [-z, y, x]);
-  const back = await picture("rotation", 0);
+  rows["exposure -1"] = backdrop(await rendered("exposure", -1), same, 0.5);
+  await rendered("exposure", 0);
+  rows["rotation 90"] = backdrop(await rendered("rotation", 90), ([x, y, z]) => [-z, y, x]);
+  const back = await rendered("rotation", 0);
   check(changed(back, plain) === 0, "a rotation by 0 is not the first picture again");
-  rows["rougher backdrop"] = changed(await picture("backdrop", 3), plain); // a share of bytes
+  rows["rougher backdrop"] = changed(await rendered("backdrop", 3), plain); // a share of bytes
   check(rows["rougher backdrop"] > 0.3, "the backdrop does not change with its mip");
-  await picture("backdrop", -1);
+  await rendered("backdrop", -1);
   for (const [id, value, least] of [["roughness", 0.9, 0.005], ["metalness", 0, 0.005], ["compare", 1, 0.01]]) {
-    rows[id] = changed(await picture(id, value), plain);
+    rows[id] = changed(await rendered(id, value), plain);
     check(rows[id] > least, `${id} changes ${rows[id]} of the picture`);
   }
   await page.mouse.move(340, 280);
@@ -140,7 +140,7 @@ try {
   await page.mouse.up();
   const yaw = -0.6; // 100 pixels at 0.006 radians
   const turned = ([x, y, z]) => [Math.cos(yaw) * x + Math.sin(yaw) * z, y, -Math.sin(yaw) * x + Math.cos(yaw) * z];
-  rows["dragged by 100 pixels"] = backdrop(await picture(), turned);
+  rows["dragged by 100 pixels"] = backdrop(await rendered(), turned);
   if (flag("--shot")) await page.screenshot({ path: flag("--shot") });
 
   for (const [name, value] of Object.entries(rows)) console.log(`${name}: ${value.toFixed(3)}`);

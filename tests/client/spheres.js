@@ -7,7 +7,7 @@ export const SPHERES = [
   { name: "white", roughness: 1, metallic: 0, albedo: 1, matte: true },
 ];
 
-/** Side of the square that a sphere of radius 1 stands in. The squares fill the picture from left to right. */
+/** Side of the square that a sphere of radius 1 stands in. The squares fill the image from left to right. */
 export const SPACING = 2.2;
 
 /** Centre of sphere `index` along the row, whose middle is at 0. */

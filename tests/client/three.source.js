@@ -46,7 +46,7 @@ async function texels(url) {
   return Object.assign(texture, { minFilter: THREE.LinearMipmapLinearFilter, isPMREMTexture: true, needsUpdate: true });
 }
 
-/** The picture itself, which three.js prefilters when it first draws with it. */
+/** The image itself, which three.js prefilters when it first draws with it. */
 async function panorama(url) {
   const texture = await new HDRLoader().loadAsync(url);
   texture.mapping = THREE.EquirectangularReflectionMapping;
@@ -61,7 +61,7 @@ const END = "gl_FragColor = vec4( outgoingLight, diffuseColor.a );";
 
 /**
  * What a shader is changed to, by chunk: to look everything up in mip 0, whatever the roughness (`exact`, the truth for one
- * sphere); to show where it looks instead (`directions`, `normals`); or to take light from a picture, pixel by pixel, where it
+ * sphere); to show where it looks instead (`directions`, `normals`); or to take light from an image, pixel by pixel, where it
  * would look up reflections and the light that falls on it (`given`).
  */
 const CHANGES = {
@@ -163,7 +163,7 @@ async function measure(source, pixels) {
 }
 
 /**
- * The row lit by sums over all pixels of a picture in place of lookups: for each of its own pixels in the direction in which
+ * The row lit by sums over all pixels of an image in place of lookups: for each of its own pixels in the direction in which
  * the shader looks. `like`: a source whose chain makes the shader look at all.
  */
 async function direct({ picture, like }, pixels) {

@@ -1,11 +1,11 @@
-// Asks the real Babylon.js and three.js what they make of coefficients and of small pictures.
+// Asks the real Babylon.js and three.js what they make of coefficients and of small images.
 //
 //   node record.mjs --modules DIR > ../data/engines.json          DIR holds node_modules (npm ci)
 //   node record.mjs --modules DIR --check ../data/engines.json    exit code 1 unless the same comes out, to within 1e-9
 //
 // Nothing of theirs is transcribed here: every number comes out of @babylonjs/core or three, of three.js's shader too,
 // whose text is run. What a graphics card would do (rasterise, filter a texture, hand pixels back) is stood in for. The
-// pictures are made anew by the tests, from the formula in `radiance`.
+// images are made again by the tests, from the formula in `radiance`.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";
@@ -133,7 +133,7 @@ function equirectUvOfThree() {
   return new Function("three", "dir", translated).bind(null, three);
 }
 
-/** What a sampler with linear filtering finds at (u, v), v from the bottom: the picture was uploaded with flipY. */
+/** What a sampler with linear filtering finds at (u, v), v from the bottom: the image was uploaded with flipY. */
 function sampleLatLong(pixels, width, height, u, v) {
   const [x, y] = [u * width - 0.5, (1 - v) * height - 0.5];
   const [x0, y0] = [Math.floor(x), Math.floor(y)];
@@ -144,7 +144,7 @@ function sampleLatLong(pixels, width, height, u, v) {
 }
 
 /**
- * The whole of three.js's way from a lat-long picture (scene.background, scene.environment) to a light probe:
+ * The whole of three.js's way from a lat-long image (scene.background, scene.environment) to a light probe:
  * WebGLCubeRenderTarget.fromEquirectangularTexture, its CubeCamera with its six cameras, and
  * LightProbeGenerator.fromCubeRenderTarget. The renderer is a stand-in: for each pixel of a face it asks three's camera
  * which way the pixel looks, and runs equirectUv. Row 0 of what it hands back is the bottom row, as glReadPixels has it.

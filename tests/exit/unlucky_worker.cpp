@@ -119,7 +119,7 @@ void own_worker() {
   const auto answer = [](const welkin::Control&) { return 42; };
   require(worker->post(answer).get() == 42, "the worker does not work");
   worker->wait_until_idle();
-  // Its threads sleep by now, as a rule, and oneTBB's list of sleepers leads to their stacks.
+  // By now its threads normally sleep, and oneTBB's list of sleepers leads to their stacks.
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   in_fork([] {
     require_stopped("a worker of a fork whose parent has an idle one", make_worker);
@@ -159,7 +159,7 @@ void own_worker_of_busy_process() {
   worker.reset();
 }
 
-/// All but so much of the address space, in blocks.
+/// Allocates all but so much of the address space, in blocks.
 std::vector<std::unique_ptr<char[]>> take_all_but(std::size_t mebibytes) {
   constexpr std::size_t kMebibyte = std::size_t{1} << 20U;
   constexpr std::size_t kMax = 4096;

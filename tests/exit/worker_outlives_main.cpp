@@ -5,7 +5,7 @@
 // worker last. The witness waits until PART has been done again and again, by which time whatever the library destroyed
 // too early has been used. Another result than the first time, or an error, ends the program with 1.
 //
-// worker_outlives_main in_passing: posts every part many times and returns from main when some are done; nobody waits.
+// worker_outlives_main in_passing: posts every part many times and returns from main when some are done, without waits.
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -31,7 +31,7 @@ using welkin::portability::hash_of;
 using welkin::portability::lat_long;
 
 constexpr int kThreads = 2;
-constexpr int kRounds = 4;  ///< that the witness waits for
+constexpr int kRounds = 4;  ///< number that the witness waits for
 constexpr std::chrono::seconds kPatience{60};
 
 /// Static objects in the order in which they are made; they are destroyed in the reverse one.
@@ -46,10 +46,10 @@ std::atomic<bool> witnessed{false};  ///< whether the witness is to wait
   std::_Exit(1);
 }
 
-/// Waits until `counter` has reached `least`.
-void await(const std::atomic<int>& counter, int least, const char* otherwise) {
+/// Waits until `counter` has reached `minimum`.
+void await(const std::atomic<int>& counter, int minimum, const char* otherwise) {
   const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (counter < least) {
+  while (counter < minimum) {
     if (std::chrono::steady_clock::now() > until) fail(otherwise);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -76,7 +76,7 @@ std::uint64_t sky() {
   return hash_of(projector.project(welkin::sun_direction(20.0, 30.0)));
 }
 
-/// Which formats there are, and what they hold.
+/// Checks which formats exist and which sample types they hold.
 std::uint64_t write() {
   const std::filesystem::path nowhere("a_folder_that_is_not_there");
   welkin::portability::Hash refused;
@@ -92,7 +92,7 @@ std::uint64_t write() {
   return refused.value();
 }
 
-/// An OpenEXR file, written and read, that each thread has for itself.
+/// Writes and reads an OpenEXR file, a separate one for each thread.
 std::uint64_t openexr() {
   static std::atomic<int> files{0};
   thread_local const int file = files++;

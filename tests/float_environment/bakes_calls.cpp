@@ -45,8 +45,8 @@ void call_plans(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   std::vector<std::byte> memory(3 * upload_bytes(layout));
   std::vector<CubemapTarget> targets;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::span<std::byte> room = std::span(memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
-    for (const CubemapTarget& target : upload_targets(layout, room)) targets.push_back(target);
+    const std::span<std::byte> slice = std::span(memory).subspan(k * upload_bytes(layout), upload_bytes(layout));
+    for (const CubemapTarget& target : upload_targets(layout, slice)) targets.push_back(target);
   }
   calls.call("bake_many(", [&] {
     std::vector<dvec3> light(27);

@@ -13,7 +13,7 @@
 namespace welkin::test {
 namespace {
 
-/// What a function of C gave: its status, and the numbers that it wrote.
+/// Result of a C function: its status, and the numbers that it wrote.
 struct Given {
   welkin_status status = WELKIN_INTERNAL;
   std::vector<double> numbers;

@@ -49,16 +49,16 @@ inline void add_bits(BitHash& hash, const BakedProbes& probes) {
 inline void add_bits(BitHash& hash, const PackedProbes& packed) {
   for (const ProbeTexture& texture : packed.textures) add_bits(hash, texture.halves);
 }
-/// Of what a call changed in place.
 inline void add_bits(BitHash& hash, const Bc6hCubemap& cubemap) {
   for (const Bc6hLevel& level : cubemap.levels) add_bits(hash, level.estimated_error, level.blocks);
 }
 
+/// Hashes an object that a call changed in place.
 template <class Value>
 void add_bits(BitHash& hash, const std::reference_wrapper<Value>& value) {
   add_bits(hash, value.get());
 }
-/// What a process does in its mode: each call twice, and a line for each with the bits of both results.
+/// Makes each call of a process twice in the process's mode, and keeps a line with the hashes of both results.
 class Calls {
  public:
   explicit Calls(const FloatEnvironment& mode) : mode_(mode) {}
@@ -90,7 +90,7 @@ class Calls {
     return result ? std::move(*result) : throw std::runtime_error(line);
   }
 
-  /// The same of a call that writes a file, whose bytes are the result.
+  /// Makes a call that writes a file, whose bytes are the result.
   template <class Function>
   void write(const char* name, const std::filesystem::path& file, const Function& function) {
     call(name, [&] {
@@ -99,7 +99,7 @@ class Calls {
     });
   }
 
-  /// The same of a call that must throw: the caller's environment must be what it was then, too.
+  /// Makes a call that must throw; it, too, must leave the caller's environment unchanged.
   template <class Function>
   void refused(const char* name, const Function& function) {
     name_call(name);
@@ -119,7 +119,7 @@ class Calls {
   [[nodiscard]] bool failed() const { return failed_; }
 
  private:
-  /// Back to the default environment; the call must have left the caller's as it was.
+  /// Restores the default environment; the call must have left the caller's unchanged.
   void leave(const char* name);
   void complain(const char* name, const char* what);
   static std::string in_hexadecimal(std::uint64_t number);

@@ -1,4 +1,4 @@
-// Coefficients of spherical harmonics, and what engines want of them.
+// Coefficients of spherical harmonics, and the forms that engines need.
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace {
 /// Coefficients that a thread which flushes denormals takes for zero.
 SphericalHarmonics faint(const SphericalHarmonics& light) { return scale(light, glm::dvec3(1e-310)); }
 
-/// What is linear in coefficients.
+/// Calls the functions that are linear in coefficients.
 void call_linear(Calls& calls, const SphericalHarmonics& a, const SphericalHarmonics& b) {
   const glm::dvec3 direction(0.36, -0.48, 0.8);
   const glm::dquat rotation(0.4, 0.2, -0.4, 0.8);

@@ -1,4 +1,4 @@
-// Small images that the calls read, and what they bake of them.
+// Small images that the calls read, and the options to bake them.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace welkin::test {
 inline LatLongImage small_lat_long() { return {32, 16, make_lat_long(Content::sun_disc, 32, 16, 71).pixels}; }
 inline Cubemap small_cubemap() { return {12, make_cubemap(Content::high_range, 12, 3, 72).pixels}; }
 
-/// Images of both layouts.
+/// Returns views of images of both layouts.
 inline std::array<EnvironmentView, 2> views_of(const Cubemap& cube, const LatLongImage& wide) {
   return {cube.view(), wide.view()};
 }
@@ -25,7 +25,7 @@ inline BakeOptions small_bake() {
   return options;
 }
 
-/// The same image in denormals, which a thread may take for zero.
+/// Returns the image scaled to denormals, which a thread may flush to zero.
 template <class Image>
 Image faint(Image image) {
   for (float& value : values_of(image)) value *= 1e-42F;

@@ -37,8 +37,8 @@ void call_image(Calls& calls, const LatLongImage& wide, const Cubemap& cube) {
   }
   Cubemap chain = build_mips(cube.view(), MipFilter::box);
   calls.call("octahedral_encode(", [] {
-    const auto place = octahedral_encode({0.1, -0.7, -0.3});
-    return dvec3(place[0], place[1], 0.0);
+    const auto position = octahedral_encode({0.1, -0.7, -0.3});
+    return dvec3(position[0], position[1], 0.0);
   });
   calls.call("octahedral_decode(", [] { return octahedral_decode(0.91, -0.13); });
   const auto square = [](const OctahedralMap& map) { return map.levels.front(); };

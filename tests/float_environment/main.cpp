@@ -1,6 +1,6 @@
 // float_environment MODE FILE: calls every public function of the library in a caller's floating-point environment and
-// writes a line for each: its name, and the bits of what came out at the first call and at the second. The caller's
-// environment must be as it was after each of them.
+// writes a line for each: its name, and the bits of the results of a first and a second call. Each call must leave the
+// caller's environment unchanged.
 #include <cstdio>
 #include <exception>
 #include <fstream>

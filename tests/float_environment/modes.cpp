@@ -20,15 +20,15 @@ struct Mode {
 };
 
 #if defined(__aarch64__)
-// FPCR: bits 8 to 12 and 15 trap exceptions, on processors that can; 22 and 23 say how to round, 24 flushes denormals,
-// operands as well as results.
+// FPCR: bits 8 to 12 and 15 trap exceptions, on processors that can; 22 and 23 set the rounding mode, 24 flushes
+// denormals, both operands and results.
 constexpr Mode kModes[] = {
     {"default", {0}},       {"downward", {0x800000}}, {"upward", {0x400000}}, {"toward_zero", {0xC00000}},
     {"flushed", {1 << 24}}, {"unmasked", {0x9F00}},   {"raising", {0x0700}},
 };
 #else
-// MXCSR: bits 7 to 12 mask exceptions, 13 and 14 say how to round, 15 flushes results to zero, 6 takes denormal
-// operands for zero. x87: bits 0 to 5 mask exceptions, 8 and 9 say how precisely, 10 and 11 how to round.
+// MXCSR: bits 7 to 12 mask exceptions, 13 and 14 set the rounding mode, 15 flushes results to zero, 6 treats denormal
+// operands as zero. x87: bits 0 to 5 mask exceptions, 8 and 9 set the precision, 10 and 11 the rounding mode.
 constexpr Mode kModes[] = {
     {"default", {0x1F80, 0x037F}},     {"downward", {0x3F80, 0x077F}}, {"upward", {0x5F80, 0x0B7F}},
     {"toward_zero", {0x7F80, 0x0F7F}}, {"flushed", {0x9FC0, 0x037F}},  {"unmasked", {0x0000, 0x0340}},

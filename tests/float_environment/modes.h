@@ -23,10 +23,10 @@ struct FloatEnvironment {
 };
 #endif
 
-/// Throws `std::invalid_argument` for a name that is none.
+/// Returns the environment of that name. Throws `std::invalid_argument` if there is none.
 [[nodiscard]] FloatEnvironment mode_named(std::string_view name);
 
-/// The same, and denormals are flushed: operands and results.
+/// Returns the environment with denormals flushed, both operands and results.
 [[nodiscard]] FloatEnvironment flushing(FloatEnvironment environment) noexcept;
 
 [[nodiscard]] FloatEnvironment current_environment() noexcept;
@@ -34,7 +34,7 @@ struct FloatEnvironment {
 /// Sets an environment, with no flag of a past exception.
 void set_environment(const FloatEnvironment& environment) noexcept;
 
-/// The caller's environment while it lives, as an engine's may be; then what was there.
+/// Sets the caller's environment, as an engine may have it, and restores the previous one when it is destroyed.
 class InEnvironment {
  public:
   explicit InEnvironment(const FloatEnvironment& environment) noexcept : before_(current_environment()) {
@@ -51,7 +51,7 @@ class InEnvironment {
 /// Makes a trap (an unmasked exception) end the process with a message that names the public function that was called.
 void report_traps() noexcept;
 
-/// What the next trap names; must live until then.
+/// Sets the name that the next trap reports. It must live until then.
 void name_call(const char* name) noexcept;
 
 }  // namespace welkin::test

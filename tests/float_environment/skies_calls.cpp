@@ -44,8 +44,8 @@ void call_tables(Calls& calls, const Atmosphere& air) {
   const SkyTables tables = calls.call("precompute_sky(", [&] { return precompute_sky(air, options); });
   calls.call("interpolate_sky(", [&] {
     const std::vector<SkyTables> both{tables, tables};
-    const std::array places{0.0, 1.0};
-    return interpolate_sky(air, both, places, 0.3);
+    const std::array positions{0.0, 1.0};
+    return interpolate_sky(air, both, positions, 0.3);
   });
   options.colour = SkyColour::linear_srgb;
   options.layout = ScatteringLayout::compact;
@@ -64,7 +64,7 @@ void call_tables(Calls& calls, const Atmosphere& air) {
 void call_views(Calls& calls, const std::shared_ptr<const SkyTables>& tables) {
   const glm::dvec3 sun = sun_direction(7.3, 41.0);
   const glm::dvec3 direction(0.36, 0.48, -0.8);
-  // An object has no numbers to compare, but what its functions give.
+  // The object itself has no numbers to compare, but its functions' results have.
   calls.call("SkyView::SkyView(shared_ptr", [&] { return SkyView(tables, 1234.5).radiance(direction, sun); });
   const SkyView view(tables, 1234.5);
   calls.call("SkyView::radiance(dvec3", [&] { return view.radiance(direction, sun); });

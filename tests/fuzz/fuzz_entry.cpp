@@ -1,4 +1,4 @@
-// Entries of the result cache. Their sums are made right first: a fuzzer would never get past them.
+// Fuzzes entries of the result cache. Their checksums are corrected first, as a fuzzer would never get past them.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace welkin::cache;
 
-/// What is decoded must be the whole of it: it is the same bytes again.
+/// Aborts unless the encoding of a decoded value decodes, and encodes to the same bytes again.
 template <class Decode, class Encode>
 void round_trip(ByteSpan payload, const Decode& decode, const Encode& encode_again) {
   const auto result = decode(payload);
@@ -22,7 +22,7 @@ void round_trip(ByteSpan payload, const Decode& decode, const Encode& encode_aga
   if (!once_more || encode_again(*once_more) != again) std::abort();
 }
 
-/// Of the size that it states, as far as bytes are there for it; and of another, which it must not be taken for.
+/// Decodes a mip of the size that the payload states if it has that many bytes, and checks that the next size fails.
 void decode_mips(ByteSpan payload) {
   std::uint64_t size = 0;
   ByteReader(payload).get(size);
@@ -37,7 +37,7 @@ void decode_mips(ByteSpan payload) {
   if (decode_mip(payload, static_cast<int>(size) + 1, larger.data())) std::abort();
 }
 
-/// Each asked for with the shape that the bytes state, if there is such a one, and with one that they may not have.
+/// Decodes the payload as every kind, with the shape that its bytes state, if it is valid, and with another.
 void decode_all(ByteSpan payload) {
   std::uint64_t first = 0;
   std::uint64_t second = 0;
@@ -72,8 +72,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* first, std::size_t cou
   if (count < kEntryHeaderBytes) return 0;
   const ByteSpan payload = bytes.subspan(kEntryHeaderBytes);
   const EntryHeader header = entry_header({EntryKind::projection, {1, 2}}, payload);
-  const auto own = read_entry_header({reinterpret_cast<const std::uint8_t*>(&header), sizeof header});
-  if (!own || !is_payload_of(*own, payload)) std::abort();
+  const auto parsed = read_entry_header({reinterpret_cast<const std::uint8_t*>(&header), sizeof header});
+  if (!parsed || !is_payload_of(*parsed, payload)) std::abort();
   decode_all(payload);
   return 0;
 }

@@ -1,5 +1,5 @@
-// Files of any format, as files in memory: all that a user of `environment_file.h` can do with them is done, in both
-// layouts, and they are read as textures and as .env. Whatever but an `Error` comes out ends the process.
+// Files of any format, in memory: makes every call of `environment_file.h` that takes them, in both layouts, and reads
+// them as textures and as .env. An exception other than `Error` ends the process.
 #include <zlib.h>
 
 #include <algorithm>
@@ -34,8 +34,8 @@ std::uint32_t big_endian(const std::uint8_t* bytes) {
   return std::uint32_t{bytes[0]} << 24U | std::uint32_t{bytes[1]} << 16U | std::uint32_t{bytes[2]} << 8U | bytes[3];
 }
 
-/// Makes the checksums of a PNG's chunks right: nearly no change to a chunk keeps its own, and behind a wrong one
-/// nothing is read.
+/// Corrects the checksums of a PNG's chunks: nearly every change to a chunk breaks its own, and nothing is read after a
+/// wrong one.
 void mend_png_checksums(std::uint8_t* bytes, std::size_t count) {
   constexpr std::size_t kSignature = 8;
   constexpr std::size_t kAroundData = 12;  // length, type, checksum
@@ -80,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t cou
     EnvironmentInfo info;
     const auto inspect = [&] { info = inspect_environment(file, options); };
     expect_result_or_error(inspect);
-    if (options.element != 0 && info.width == 0) {  // what is no array has element 0 alone
+    if (options.element != 0 && info.width == 0) {  // a texture that is no array has element 0 alone
       options.element = 0;
       expect_result_or_error(inspect);
     }

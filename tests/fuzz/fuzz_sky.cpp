@@ -1,4 +1,4 @@
-// Saved sky tables. Their checksum is made right first: a fuzzer would never get past it.
+// Fuzzes saved sky tables. Their checksum is corrected first, as a fuzzer would never get past it.
 #include <zlib.h>
 
 #include <cmath>

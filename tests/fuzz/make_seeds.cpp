@@ -36,7 +36,7 @@ namespace {
 
 using namespace welkin;
 
-// What is neither R, G, B nor the data window of a single part.
+// Writes EXR seeds with channels other than R, G and B, with other windows, and with several parts.
 void make_odd_exr_seeds(const std::filesystem::path& directory) {
   const test::ExrRecipe plain{.width = 16, .height = 8};
   const std::vector<float> pixels = test::some_pixels(16, 8);

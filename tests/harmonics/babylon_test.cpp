@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-// What the real package made of the seeded test cubemaps: tests/data/babylon.json.
+// Results of the real package for the seeded test cubemaps: tests/data/babylon.json.
 
 /// A BabylonPolynomial as a list: x, y, z, xx, yy, zz, yz, zx, xy.
 using PolynomialTerms = std::array<glm::dvec3, 9>;
@@ -67,7 +67,7 @@ struct RecordedCase {
   int channels = 0;
   std::uint32_t seed = 0;
   std::uint32_t checksum = 0;  ///< of the pixels that Babylon.js was given
-  ProjectionOptions options;   ///< what asks Welkin for the same
+  ProjectionOptions options;   ///< Welkin's equivalent
   PolynomialTerms polynomial{};
   std::optional<std::array<glm::dvec3, 9>> radiance;  ///< Babylon.js's own, odd orders negated; recorded for a few
 
@@ -265,9 +265,9 @@ TEST_CASE("Babylon.js's polynomial with a target size: sizes 64, 100, 256 to 8, 
   check_group("target_size");
 }
 
-// The same promise, held against answers that someone else recorded, on content that
-// someone else chose: the 18 cubemaps of ../shared/oracles/web, remade here by the formulas of its gen_cases.mjs.
-// Where that folder is not (it is no part of the repository), there is nothing to compare and the test says so.
+// This promise is also held against independently recorded results for independently chosen content: the 18 cubemaps of
+// ../shared/oracles/web, remade here by the formulas of its gen_cases.mjs. That folder is not part of the repository;
+// where it is missing, there is nothing to compare and the test says so.
 
 namespace {
 

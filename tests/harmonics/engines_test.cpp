@@ -28,7 +28,7 @@ glm::dvec2 welkin_image(const glm::dvec3& d) {
   return wrapped(0.5 - std::atan2(d.x, d.z) / (2.0 * kPi), 0.5 - std::asin(d.y) / kPi);
 }
 
-// v from the bottom in three of these, as textures have it: turned over here.
+// Three of these measure v from the bottom, as textures do; it is flipped here.
 glm::dvec2 babylon_image(const glm::dvec3& d) {
   return wrapped(0.5 + std::atan2(d.x, d.z) / (2.0 * kPi), std::acos(d.y) / kPi);
 }
@@ -51,7 +51,7 @@ glm::dvec2 unity_image(const glm::dvec3& d) {
   return wrapped(0.5 - std::atan2(d.z, d.x) * 0.5 / kPi, 1.0 - from_bottom);
 }
 
-// LookupLongLat(X, Y, Z) of the world's direction with y and z exchanged, and of cube faces likewise.
+// LookupLongLat(X, Y, Z) of the world's direction with y and z exchanged, for cube faces too.
 glm::dvec2 unreal_image(const glm::dvec3& world) {
   const glm::dvec3 d(world.x, world.z, world.y);
   return wrapped((1.0 + std::atan2(d.x, -d.z) / kPi) / 2.0, std::acos(d.y) / kPi);
@@ -236,8 +236,8 @@ std::vector<glm::dvec3> nine(const EngineLight& light, const std::string& name) 
   return values;
 }
 
-// What the engines' decimals stand for: sqrt(1/pi)/2 = 0.282095, sqrt(3/pi)/2 = 0.488603, sqrt(15/pi)/2 = 1.092548,
-// sqrt(5/pi)/4 = 0.315392, sqrt(15/pi)/4 = 0.546274.
+// Constants that the engines write as decimals: sqrt(1/pi)/2 = 0.282095, sqrt(3/pi)/2 = 0.488603,
+// sqrt(15/pi)/2 = 1.092548, sqrt(5/pi)/4 = 0.315392, sqrt(15/pi)/4 = 0.546274.
 struct Constants {
   double k0, k1, k2, k20, k22;
 };
@@ -277,7 +277,7 @@ glm::dvec3 nine_sum(const std::vector<glm::dvec3>& h, const glm::dvec3& n, const
          c[5] * h[8] * (n.x * n.x - n.y * n.y);
 }
 
-// What the engines' decimals of those stand for.
+// Evaluates `nine_sum` with the exact constants.
 glm::dvec3 nine_sum_exact(const std::vector<glm::dvec3>& h, const glm::dvec3& n) {
   const double a1 = 2.0 * kPi / 3.0;
   const double a2 = kPi / 4.0;

@@ -21,12 +21,12 @@ std::vector<dvec3> many_directions() {
   return directions;
 }
 
-/// What a shader reads: bilinear, at a place of the square without its border.
-dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>& place) {
+/// Returns what a shader reads, bilinearly, at a position in the square without its border.
+dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>& position) {
   const int size = map.level_size(level);
   const int border = map.border >> level;
-  const double x = place[0] * (size - 2 * border) + border - 0.5;
-  const double y = place[1] * (size - 2 * border) + border - 0.5;
+  const double x = position[0] * (size - 2 * border) + border - 0.5;
+  const double y = position[1] * (size - 2 * border) + border - 0.5;
   const int column = static_cast<int>(std::floor(x));
   const int row = static_cast<int>(std::floor(y));
   dvec3 sum(0.0);
@@ -41,20 +41,20 @@ dvec3 looked_up(const OctahedralMap& map, int level, const std::array<double, 2>
   return sum;
 }
 
-/// Of the texels of a map of `inner` texels without a border; relative error 1e-4.
+/// Returns the solid angles of the texels of a map of `inner` texels without a border; relative error 1e-4.
 std::vector<double> octahedral_solid_angles(int inner) {
   constexpr int parts = 8;
   std::vector<double> steradians(static_cast<std::size_t>(inner) * static_cast<std::size_t>(inner));
-  const int places = parts * inner;
-  for (int row = 0; row < places; ++row) {
-    for (int column = 0; column < places; ++column) {
-      const double x = std::abs((2.0 * column + 1.0) / places - 1.0);
-      const double y = std::abs((2.0 * row + 1.0) / places - 1.0);
+  const int samples = parts * inner;
+  for (int row = 0; row < samples; ++row) {
+    for (int column = 0; column < samples; ++column) {
+      const double x = std::abs((2.0 * column + 1.0) / samples - 1.0);
+      const double y = std::abs((2.0 * row + 1.0) / samples - 1.0);
       const double z = 1.0 - x - y;
       const dvec3 point = z >= 0.0 ? dvec3(x, y, z) : dvec3(1.0 - y, 1.0 - x, z);
       const double square = glm::dot(point, point);
       steradians[static_cast<std::size_t>(row / parts * inner + column / parts)] +=
-          4.0 / (static_cast<double>(places) * places * square * std::sqrt(square));
+          4.0 / (static_cast<double>(samples) * samples * square * std::sqrt(square));
     }
   }
   return steradians;
@@ -66,13 +66,13 @@ Cubemap chain_of(Content content, int size) { return build_mips(make_cubemap(con
 
 TEST_CASE("Directions go to octahedral places and back", "[octahedral]") {
   for (const dvec3& direction : many_directions()) {
-    const auto place = octahedral_encode(3.7 * direction);
-    CAPTURE(direction.x, direction.y, direction.z, place[0], place[1]);
-    CHECK((place[0] >= 0.0 && place[0] <= 1.0 && place[1] >= 0.0 && place[1] <= 1.0));
-    CHECK(glm::length(octahedral_decode(place[0], place[1]) - direction) < 1e-14);
+    const auto position = octahedral_encode(3.7 * direction);
+    CAPTURE(direction.x, direction.y, direction.z, position[0], position[1]);
+    CHECK((position[0] >= 0.0 && position[0] <= 1.0 && position[1] >= 0.0 && position[1] <= 1.0));
+    CHECK(glm::length(octahedral_decode(position[0], position[1]) - direction) < 1e-14);
   }
-  const auto same = [](const std::array<double, 2>& place, double column, double row) {
-    return std::abs(place[0] - column) + std::abs(place[1] - row) < 1e-15;
+  const auto same = [](const std::array<double, 2>& position, double column, double row) {
+    return std::abs(position[0] - column) + std::abs(position[1] - row) < 1e-15;
   };
   CHECK(same(octahedral_encode({0, 0, 1}), 0.5, 0.5));
   CHECK(same(octahedral_encode({1, 0, 0}), 1.0, 0.5));
@@ -100,8 +100,8 @@ TEST_CASE("Border texels of octahedral maps are those beyond the edge", "[octahe
     REQUIRE(map.levels.size() == static_cast<std::size_t>(levels));
     for (int level = 0; level < levels; ++level) {
       const int edge = map.level_size(level);
-      const int own = map.border >> level;
-      const int inner = edge - 2 * own;
+      const int margin = map.border >> level;
+      const int inner = edge - 2 * margin;
       const auto texel = [&](int column, int row) {
         const float* const rgb = map.levels[static_cast<std::size_t>(level)].data() + 3 * (row * edge + column);
         return std::array{rgb[0], rgb[1], rgb[2]};
@@ -109,13 +109,13 @@ TEST_CASE("Border texels of octahedral maps are those beyond the edge", "[octahe
       for (int row = 0; row < edge; ++row) {
         for (int column = 0; column < edge; ++column) {
           // the texel inside whose centre is the same direction
-          const dvec3 direction = octahedral_decode((column - own + 0.5) / inner, (row - own + 0.5) / inner);
-          const bool folded_twice =
-              column - own < -inner || column - own >= 2 * inner || row - own < -inner || row - own >= 2 * inner;
+          const dvec3 direction = octahedral_decode((column - margin + 0.5) / inner, (row - margin + 0.5) / inner);
+          const bool folded_twice = column - margin < -inner || column - margin >= 2 * inner || row - margin < -inner ||
+                                    row - margin >= 2 * inner;
           if (folded_twice) continue;
-          const auto place = octahedral_encode(direction);
-          const int at_column = std::clamp(static_cast<int>(place[0] * inner), 0, inner - 1) + own;
-          const int at_row = std::clamp(static_cast<int>(place[1] * inner), 0, inner - 1) + own;
+          const auto position = octahedral_encode(direction);
+          const int at_column = std::clamp(static_cast<int>(position[0] * inner), 0, inner - 1) + margin;
+          const int at_row = std::clamp(static_cast<int>(position[1] * inner), 0, inner - 1) + margin;
           REQUIRE(texel(column, row) == texel(at_column, at_row));
         }
       }

@@ -1,4 +1,4 @@
-// What the real Babylon.js and three.js said, recorded or shared, against what we have.
+// Compares Welkin with results of the real Babylon.js and three.js, recorded or shared.
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
@@ -82,7 +82,7 @@ TEST_CASE("a panorama that Babylon.js loads has the polynomial that is made for 
   const SphericalHarmonics light = project(image.view()).radiance;
   // Its way to the cube takes the nearest pixel, half a pixel off: about 1 %.
   CHECK(deviation(engine_light(light, Engine::babylon).terms, panorama.at("terms")) < 0.015);
-  // Mirrored or turned by a quarter it would be far off.
+  // Mirrored or rotated by 90 degrees it would be far off.
   CHECK(deviation(engine_light(light, Engine::three).terms, panorama.at("terms")) > 0.2);
   CHECK(deviation(engine_light_unrotated(light, Engine::babylon).terms, panorama.at("terms")) > 0.2);
 }
@@ -106,7 +106,7 @@ TEST_CASE("a panorama that three.js loads gives its light probe what is made for
   const SphericalHarmonics light = project(image.view()).radiance;
   // Linear filtering and the midpoint rule at 64 texels.
   CHECK(deviation(engine_light(light, Engine::three).terms, panorama.at("coefficients")) < 3e-4);
-  // Mirrored or turned by a quarter it would be far off.
+  // Mirrored or rotated by 90 degrees it would be far off.
   for (const Engine other : {Engine::welkin, Engine::babylon, Engine::unity}) {
     const SphericalHarmonics wrong = rotate(light, convention(other).from_welkin);
     CHECK(deviation(engine_light_unrotated(wrong, Engine::three).terms, panorama.at("coefficients")) > 0.1);
@@ -124,12 +124,12 @@ TEST_CASE("three.js's own generator reads a cube texture as the convention says"
   CHECK(deviation(engine_light_unrotated(light, Engine::three).terms, texture.at("coefficients")) < 2e-4);
 }
 
-// Promises: for the cubemaps that ../shared/oracles/web asked the real Babylon.js and three.js about, their numbers are
-// those that `--from ENGINE --for ENGINE` gives of the same faces. Skipped where that folder is not.
+// Promises: for the cubemaps of ../shared/oracles/web, the recorded results of the real Babylon.js and three.js are
+// those that `--from ENGINE --for ENGINE` gives for the same faces. Skipped where that folder is missing.
 
 namespace {
 
-// Those of its cubemaps (gen_cases.mjs) that are a polynomial of the direction d, or of face f, column x and row y.
+// Texel of a cubemap of gen_cases.mjs that is a polynomial of the direction d, or of face f, column x and row y.
 using Formula = glm::dvec3 (*)(const glm::dvec3& d, int f, int x, int y);
 
 struct Case {
@@ -146,7 +146,7 @@ const Case kCases[] = {
     {"quad_diag_64", 64, [](const glm::dvec3& d, int, int, int) { return d * d; }},
     {"orient_16", 16, [](const glm::dvec3&, int f, int x, int y) { return glm::dvec3(f + 1, x, 2 * y); }}};
 
-// As the command turns light: out of the frames of CubemapView in which the engine's faces lie, into its axes.
+// Rotates light as the command does: from the frames of CubemapView, in which the engine's faces lie, into its axes.
 EngineLight light_of_faces(const SphericalHarmonics& faces, Engine engine) {
   const Convention& of = convention(engine);
   return engine_light(rotate(faces, glm::transpose(*of.faces_from_engine * of.from_welkin)), engine);
@@ -179,7 +179,7 @@ TEST_CASE("Babylon.js's and three.js's numbers for shared cubemaps are those of 
     const json& three = expected.at("three");
     CHECK(deviation(light_of_faces(faces, Engine::three).terms, three.at("cubeTexture").at("coefficients")) <
           tolerance);
-    // What three.js reads back from a render target is not mirrored: the frames of CubemapView are its own axes.
+    // A render target that three.js reads back is not mirrored: the frames of CubemapView are its own axes.
     CHECK(deviation(engine_light_unrotated(faces, Engine::three).terms, three.at("webgl").at("coefficients")) <
           tolerance);
   }

@@ -13,7 +13,7 @@
 
 namespace welkin::test {
 
-// Promise: turned coefficients are those of the turned function; turns compose and undo. (10 000 of them, and
+// Promise: rotated coefficients are those of the rotated function; rotations compose and invert. (10 000 of them, and
 // quaternions of any length: tests/stability.)
 
 namespace {
@@ -91,12 +91,12 @@ TEST_CASE("A cube face's transform is the turn from its frame, for all bands", "
     const std::size_t count = local.coefficients().size();
     std::vector<double> planes(3 * count);
     std::vector<double> canonical(3 * count);
-    std::vector<int> place(count);
+    std::vector<int> rows(count);
     for (std::size_t k = 0; k < count; ++k) {
-      place[k] = static_cast<int>(k);
+      rows[k] = static_cast<int>(k);
       for (std::size_t c = 0; c < 3; ++c) planes[c * count + k] = local.coefficients()[k][static_cast<int>(c)];
     }
-    transforms::face_transform(face, kMaximumBands).add(planes.data(), place.data(), canonical.data());
+    transforms::face_transform(face, kMaximumBands).add(planes.data(), rows.data(), canonical.data());
     SphericalHarmonics expected(kMaximumBands);
     for (std::size_t k = 0; k < count; ++k) {
       expected.coefficients()[k] = {canonical[k], canonical[count + k], canonical[2 * count + k]};
@@ -136,7 +136,7 @@ TEST_CASE("A quaternion without length is refused", "[sh][turn]") {
   }
 }
 
-// Promise: of a constant and a directional light the dominant light is that directional light; it turns with the light.
+// Promise: of a constant and a directional light the dominant light is the directional one; it rotates with the light.
 
 TEST_CASE("A directional light over a constant comes back", "[sh][dominant]") {
   RandomLight light(61);
@@ -167,12 +167,12 @@ TEST_CASE("No directional light comes closer to bands 1 and 2", "[sh][dominant]"
     rest.at(0, 0) = glm::dvec3(0.0);
     return norm(rest);
   };
-  const double least = distance(found->irradiance);
+  const double smallest = distance(found->irradiance);
   for (int c = 0; c < 3; ++c) {
     for (const double step : {-1e-3, 1e-3}) {
       glm::dvec3 other = found->irradiance;
       other[c] += step;
-      CHECK(distance(other) > least);
+      CHECK(distance(other) > smallest);
     }
   }
 }
@@ -196,7 +196,7 @@ TEST_CASE("Light without a direction has no dominant light", "[sh][dominant]") {
   CHECK_FALSE(dominant_light(SphericalHarmonics(3)));
   CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 3)));
   CHECK_FALSE(dominant_light(constant_radiance({1, 2, 3}, 1)));
-  // What a projection's rounding leaves of a uniform sky.
+  // A uniform sky with the rounding error of a projection.
   CHECK_FALSE(dominant_light(add(constant_radiance({1, 1, 1}, 3), point_light({0, 1, 0}, glm::dvec3(1e-7), 3))));
   SphericalHarmonics broken = point_light({0, 1, 0}, {1, 1, 1}, 3);
   broken.at(1, 0).r = std::numeric_limits<double>::quiet_NaN();
@@ -252,7 +252,7 @@ TEST_CASE("A disc's coefficients are its integral, from tiny to all around", "[s
     CHECK(relative_error(found, integrated_cap(solid_angle, kMaximumBands)) < 1e-13);
     RandomLight light(71);
     const glm::dvec3 direction = light.direction();
-    const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // half a turn about it takes z there
+    const glm::dvec3 half = glm::normalize(glm::dvec3(0, 0, 1) + direction);  // 180 degrees about it take z there
     const glm::dquat rotation(0.0, half.x, half.y, half.z);
     CHECK(relative_error(sun_harmonics(sun_of(direction, solid_angle), kMaximumBands), rotate(found, rotation)) <
           1e-13);
@@ -290,8 +290,8 @@ namespace {
 constexpr int kBands = 6;
 
 template <class Image>
-void check_coefficients(Image image, const glm::dvec3& place, double radius) {
-  paint_disc(image, glm::normalize(place), radius, {2e5, 1.5e5, 5e4});
+void check_coefficients(Image image, const glm::dvec3& direction, double radius) {
+  paint_disc(image, glm::normalize(direction), radius, {2e5, 1.5e5, 5e4});
   const ProjectionOptions options{.bands = kBands};
   const SphericalHarmonics before = project(image.view(), options).radiance;
   const auto sun = extract_sun(image);
@@ -319,10 +319,10 @@ void check_coefficients(Image image, const glm::dvec3& place, double radius) {
 }  // namespace
 
 TEST_CASE("A map's coefficients are those without the sun and those of its light", "[image][sun][truth]") {
-  for (const glm::dvec3& place : {glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0), glm::dvec3(-3, 2, 4)}) {
+  for (const glm::dvec3& direction : {glm::dvec3(1, 1, 1), glm::dvec3(0, 1, 0), glm::dvec3(-3, 2, 4)}) {
     for (const double radius : {0.8, 1.6, 2.4}) {
-      check_coefficients(grey_lat_long(512, 256, 1.0F), place, radius);
-      check_coefficients(grey_cubemap(128, 1.0F), place, radius);
+      check_coefficients(grey_lat_long(512, 256, 1.0F), direction, radius);
+      check_coefficients(grey_cubemap(128, 1.0F), direction, radius);
     }
   }
 }
@@ -378,9 +378,9 @@ TEST_CASE("A lamp of one texel beside the pole has the direction of the texel's 
 TEST_CASE("A sun beside the pole and the rest of its map make the map's harmonics again", "[image][sun][truth]") {
   for (const double off : {0.3, 2.0}) {
     const double angle = off * std::numbers::pi / 180.0;
-    const glm::dvec3 place(std::sin(angle) * 0.6, std::cos(angle), std::sin(angle) * 0.8);
+    const glm::dvec3 direction(std::sin(angle) * 0.6, std::cos(angle), std::sin(angle) * 0.8);
     LatLongImage image = grey_lat_long(512, 256, 1.0F);
-    paint_disc(image, place, 0.265, glm::dvec3(2e5, 1.5e5, 5e4));
+    paint_disc(image, direction, 0.265, glm::dvec3(2e5, 1.5e5, 5e4));
     LatLongImage rest = image;
     const auto sun = extract_sun(rest);
     REQUIRE(sun);

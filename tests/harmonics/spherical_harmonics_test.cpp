@@ -39,7 +39,7 @@ std::vector<double> basis(const glm::dvec3& direction, int bands) {
 
 std::size_t index(int l, int m) { return SphericalHarmonics::index(l, m); }
 
-/// Y(l, m) by another route: in long double, unnormalised Legendre functions, factorials for the norm.
+/// Returns Y(l, m) by another route: in long double, unnormalized Legendre functions, factorials for the norm.
 long double slow_basis(int l, int m, const glm::dvec3& direction) {
   const int order = m < 0 ? -m : m;
   const long double z = direction.z;

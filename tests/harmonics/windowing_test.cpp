@@ -1,4 +1,4 @@
-// The least value of harmonics, and the windows that keep light from being negative.
+// The minimum of harmonics, and the windows that keep light from being negative.
 #include "harmonics/windowing.h"
 
 #include "harmonics/derivatives.h"
@@ -19,18 +19,18 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// The least of a dense grid: above the true minimum by about (bands / points)^2.
-glm::dvec3 least_of_dense_grid(const SphericalHarmonics& harmonics, int rings) {
-  glm::dvec3 least(std::numeric_limits<double>::infinity());
+/// Returns the lowest values of a dense grid: above the true minimum by about (bands / points)^2.
+glm::dvec3 lowest_of_dense_grid(const SphericalHarmonics& harmonics, int rings) {
+  glm::dvec3 lowest(std::numeric_limits<double>::infinity());
   for (int ring = 0; ring <= rings; ++ring) {
     const double polar = kPi * ring / rings;
     for (int k = 0; k < 2 * rings; ++k) {
       const double azimuth = kPi * k / rings;
-      least = glm::min(least, evaluate(harmonics, {std::sin(polar) * std::cos(azimuth),
-                                                   std::sin(polar) * std::sin(azimuth), std::cos(polar)}));
+      lowest = glm::min(lowest, evaluate(harmonics, {std::sin(polar) * std::cos(azimuth),
+                                                     std::sin(polar) * std::sin(azimuth), std::cos(polar)}));
     }
   }
-  return least;
+  return lowest;
 }
 
 }  // namespace
@@ -42,11 +42,11 @@ TEST_CASE("No point of a dense grid is lower than the minimum, and one is nearly
       const SphericalHarmonics harmonics = light.harmonics(bands);
       const HarmonicMinimum found = minimum(harmonics);
       const int rings = 20 * bands;
-      const glm::dvec3 least = least_of_dense_grid(harmonics, rings);
+      const glm::dvec3 lowest = lowest_of_dense_grid(harmonics, rings);
       CAPTURE(bands, k);
       for (int c = 0; c < 3; ++c) {
-        CHECK(found.value[c] <= least[c] + 1e-12);
-        CHECK(found.value[c] >= least[c] - 0.01 * norm(harmonics));
+        CHECK(found.value[c] <= lowest[c] + 1e-12);
+        CHECK(found.value[c] >= lowest[c] - 0.01 * norm(harmonics));
         CHECK(std::abs(evaluate(harmonics, found.direction[c])[c] - found.value[c]) < 1e-12 * norm(harmonics));
         CHECK(glm::length(found.direction[c]) == Approx(1.0).epsilon(1e-14));
       }
@@ -102,13 +102,13 @@ TEST_CASE("Of several valleys that run around the sphere, level or nearly so, th
       }
       const HarmonicMinimum found = minimum(zonal);
       const int steps = 500;
-      glm::dvec3 least(std::numeric_limits<double>::infinity());
+      glm::dvec3 lowest(std::numeric_limits<double>::infinity());
       for (int i = -steps; i <= steps; ++i) {
         const double polar = kPi * i / steps;
-        least = glm::min(least, evaluate(zonal, {std::sin(polar), 0.0, std::cos(polar)}));
+        lowest = glm::min(lowest, evaluate(zonal, {std::sin(polar), 0.0, std::cos(polar)}));
       }
       CAPTURE(bands, k);
-      for (int c = 0; c < 3; ++c) CHECK(found.value[c] <= least[c] + 1e-12);
+      for (int c = 0; c < 3; ++c) CHECK(found.value[c] <= lowest[c] + 1e-12);
     }
   }
 }
@@ -164,7 +164,7 @@ SphericalHarmonics sunny(const glm::dvec3& direction, const glm::dvec3& irradian
   return add(constant_radiance(glm::dvec3(1.0), bands), point_light(direction, irradiance, bands));
 }
 
-glm::dvec3 least_irradiance(const SphericalHarmonics& radiance, double lambda) {
+glm::dvec3 lowest_irradiance(const SphericalHarmonics& radiance, double lambda) {
   std::vector<double> factors;
   for (int l = 0; l < radiance.bands(); ++l) factors.push_back(harmonics::min_laplacian_factor(l, lambda));
   return minimum(irradiance_from_radiance(harmonics::with_factors(radiance, factors))).value;
@@ -199,15 +199,15 @@ TEST_CASE("The factors of every window are its formula's", "[sh][window]") {
   CHECK(none.parameter == 0.0);
   CHECK(none.factors == std::vector<double>(6, 1.0));
   CHECK(none.minimum_before == none.minimum_after);
-  const WindowResult least = apply_window(light, Window::min_laplacian);
+  const WindowResult laplacian = apply_window(light, Window::min_laplacian);
   for (int l = 0; l < 6; ++l) {
-    CHECK(least.factors[static_cast<std::size_t>(l)] ==
-          Approx(1.0 / (1.0 + least.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
+    CHECK(laplacian.factors[static_cast<std::size_t>(l)] ==
+          Approx(1.0 / (1.0 + laplacian.parameter * l * l * (l + 1) * (l + 1))).epsilon(1e-15));
   }
 }
 
 TEST_CASE("The minimum-Laplacian window is found where the minimum falls before it rises", "[sh][window]") {
-  // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: least at z = -1, where the window takes band 2's help away first.
+  // Irradiance 1/2 + z + 0.3 (3 z^2 - 1) / 2: lowest at z = -1, where the window first reduces band 2, which raises it.
   const auto light = [](double constant) {
     SphericalHarmonics radiance(3);
     radiance.at(0, 0) = glm::dvec3(constant / (cosine_lobe(0) * std::sqrt(1.0 / (4.0 * kPi))));
@@ -215,13 +215,13 @@ TEST_CASE("The minimum-Laplacian window is found where the minimum falls before 
     radiance.at(2, 0) = glm::dvec3(0.3 / (cosine_lobe(2) * std::sqrt(5.0 / (4.0 * kPi))));
     return radiance;
   };
-  CHECK(least_irradiance(light(0.5), 0.0).x == Approx(-0.2).epsilon(1e-12));
-  CHECK(least_irradiance(light(0.5), 0.01).x < -0.24);
+  CHECK(lowest_irradiance(light(0.5), 0.0).x == Approx(-0.2).epsilon(1e-12));
+  CHECK(lowest_irradiance(light(0.5), 0.01).x < -0.24);
   for (const double constant : {0.2, 0.5, 0.69}) {
     const double lambda = apply_window(light(constant), Window::min_laplacian).parameter;
     CAPTURE(constant, lambda);
     CHECK(std::abs(constant - 1.0 / (1.0 + 4.0 * lambda) + 0.3 / (1.0 + 36.0 * lambda)) < 1e-9);
-    CHECK(least_irradiance(light(constant), 0.999 * lambda).x < 0.0);
+    CHECK(lowest_irradiance(light(constant), 0.999 * lambda).x < 0.0);
   }
   CHECK(apply_window(light(0.7001), Window::min_laplacian).parameter == 0.0);  // although windows in between would ring
 }
@@ -245,7 +245,7 @@ TEST_CASE("The minimum-Laplacian window leaves nothing negative, and a lesser on
       }
       CHECK(found.parameter > 0.0);
       for (const double share : {0.0, 0.1, 0.5, 0.9, 0.99, 0.99999}) {
-        CHECK(smallest(least_irradiance(radiance, share * found.parameter) / mean) < -1e-9);
+        CHECK(smallest(lowest_irradiance(radiance, share * found.parameter) / mean) < -1e-9);
       }
     }
   }

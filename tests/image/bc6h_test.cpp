@@ -74,7 +74,7 @@ TEST_CASE("each bit of a BC6H block is one bit of one of its numbers", "[image][
       image::pack_bc6h(fields, packed.data());
       REQUIRE(packed == block);
       const image::Bc6hMode& found = image::bc6h_mode(mode);
-      // A bit of the partition may move an anchor, and with it all indices behind: it is not turned round here.
+      // A bit of the partition may move an anchor, and with it all later indices: it is not flipped here.
       for (int bit = found.prefix_bits; bit < 128; ++bit) {
         if (found.two_lines && bit >= 77 && bit < 82) continue;
         Block turned = block;
@@ -183,9 +183,9 @@ std::array<std::uint8_t, 16> packed(const image::TwoLineBlocks& pair, std::size_
 /// All ends from 0 or the lowest to the highest, and all 16 indices.
 image::EndTrials some_trials(bool is_signed) {
   image::EndTrials trials{};
-  const float least = is_signed ? -32767.0F : 0.0F;
+  const float lowest = is_signed ? -32767.0F : 0.0F;
   for (int k = 0; k < 16; ++k) {
-    trials.low[k] = least + static_cast<float>(k * 1234);
+    trials.low[k] = lowest + static_cast<float>(k * 1234);
     trials.high[k] = static_cast<float>(k == 0 ? 3 : 32767 - k * k * 97);
     trials.along[k] = static_cast<float>((17 * k + 2) >> 2) / 64.0F;
     trials.wanted[k] = static_cast<float>(k * 1500 - (is_signed ? 9000 : 0));

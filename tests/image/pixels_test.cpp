@@ -1,4 +1,4 @@
-// Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, turns by whole texels.
+// Pixels of cubemaps and lat-longs: formats, directions and solid angles of texels, mips, rotations by whole texels.
 #include "image/pixels.h"
 
 #include <Imath/half.h>
@@ -119,14 +119,14 @@ TEST_CASE("Solid angles of a face are computed once for each size, texel by texe
     for (int row = 0; row < size; ++row) {
       image::cubemap_row_solid_angles(std::min(row, size - 1 - row), row_angles);
       for (int column = 0; column < size; ++column) {
-        const double own = angles->at(row, column);
-        const bool right = std::abs(own / row_angles[static_cast<std::size_t>(column)] - 1.0) <= 1e-11;
-        wrong += right && own == angles->at(column, row) ? 0 : 1;
+        const double angle = angles->at(row, column);
+        const bool right = std::abs(angle / row_angles[static_cast<std::size_t>(column)] - 1.0) <= 1e-11;
+        wrong += right && angle == angles->at(column, row) ? 0 : 1;
       }
     }
     CAPTURE(size);
     CHECK(wrong == 0);
-    // Those of some texels are the same.
+    // A selection of texels has the same angles.
     const std::int64_t last = std::int64_t{6} * size * size - 1;
     const std::vector<double> some = image::solid_angles_of(image::TexelGrid::cubemap(size), {0, last / 2, last});
     CHECK(some[0] == Approx(angles->at(0, 0)).epsilon(1e-11));
@@ -262,7 +262,7 @@ TEST_CASE("Mips that cannot be are refused", "[mips]") {
         }).says("no levels"));
 }
 
-// Promise: a turn that takes texels to texels moves every texel as it is, bit for bit.
+// Promise: a rotation that maps texels to texels copies every texel bit for bit.
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Resampling between cubemaps and lat-longs, by filter and by area; and turns of either.
+// Resampling between cubemaps and lat-longs, by filter and by area; and rotations of either.
 #include "welkin/resampling.h"
 
 #include "image/area_weights.h"
@@ -18,7 +18,7 @@
 
 namespace welkin::test {
 
-// Promise: resampling keeps light where it is, knows no seams, and gives the same bits on any number of threads.
+// Promise: resampling keeps light where it is, has no seams, and is bit-identical on any number of threads.
 
 namespace {
 
@@ -86,7 +86,7 @@ TEST_CASE("A lat-long goes on over its poles, in odd widths too", "[resampling]"
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, upright, ResampleFilter::bilinear).pixels(), wanted.pixels()) <
           0.01);
     CHECK(worst_difference(to_cubemap(coarse.view(), 64, kAskew).pixels(), smooth_cubemap(64, kAskew).pixels()) < 0.01);
-    // By area a texel next to the pole goes on to the pole as it is.
+    // By area a texel next to the pole extends to the pole unchanged.
     CHECK(worst_difference(to_cubemap(coarse.view(), 64).pixels(), wanted.pixels()) < 0.02);
   }
 }
@@ -215,7 +215,7 @@ TEST_CASE("Resampling by area and bilinearly agree on a smooth environment", "[a
             std::max(worst_off_poles, std::abs(static_cast<double>(by_area.pixels()[i]) - wanted.pixels()[i]));
       }
       CAPTURE(width, size);
-      // A texel's mean is not its centre's value: size 3. Next to a pole the first row goes on unchanged: size 600.
+      // A texel's mean is not its centre's value: size 3. Next to a pole the first row extends unchanged: size 600.
       CHECK(worst_difference(by_area.pixels(), wanted.pixels()) < (size == 3 ? 0.18 : 7e-3));
       CHECK(worst_off_poles < (size == 3 ? 0.18 : 2.5e-3));
       CHECK(worst_difference(bilinear.pixels(), wanted.pixels()) < 1e-3);
@@ -234,12 +234,12 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
         const LatLongImage map = to_lat_long(cube.view(), width, height, glm::dmat3(1.0), ResampleFilter::area);
         CHECK(std::ranges::all_of(map.pixels, [](float value) { return value >= 0.0F; }));
         double sum = 0.0;
-        glm::dvec3 place(0.0);
+        glm::dvec3 centroid(0.0);
         for (int at = 0; at < width * height; ++at) {
           const double value = map.pixels[static_cast<std::size_t>(3 * at + 1)];
           const double total_there = value * image::lat_long_texel_solid_angle(width, height, at / width);
           sum += total_there;
-          place += total_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
+          centroid += total_there * image::lat_long_direction(width, height, at % width + 0.5, at / width + 0.5);
         }
         std::vector<double> angles(static_cast<std::size_t>(size));
         image::cubemap_row_solid_angles(texel / size % size, angles);
@@ -247,7 +247,7 @@ TEST_CASE("A cube's lone bright texel keeps its total radiance in a lat-long, by
         if (width < 4 * size || height < 2 * size || size < 8) continue;
         const glm::dvec3 to =
             image::face_direction(size, texel / (size * size), texel % size + 0.5, texel / size % size + 0.5);
-        CHECK(glm::length(glm::normalize(place) - to) < 0.42 / size);  // a fifth of a texel
+        CHECK(glm::length(glm::normalize(centroid) - to) < 0.42 / size);  // a fifth of a texel
       }
       CAPTURE(size, width, height);
       CHECK(worst < 1e-6);
@@ -346,17 +346,17 @@ TEST_CASE("A cube's sixteen images are all different, and lead back", "[symmetry
   constexpr int size = 5;
   const image::CubeTexel texel{2, 0, 3};
   const glm::ivec3 point = image::point_of(size, texel);
-  std::set<std::tuple<int, int, int>> places;
+  std::set<std::tuple<int, int, int>> texels;
   for (int k = 0; k < 16; ++k) {
     const image::CubeImage there = image::cube_image_of(k);
     CHECK(image::index_of(there) == k);
-    const glm::ivec3 place = moved(there, point);
-    CHECK(moved_back(there, place) == point);
-    const image::CubeTexel found = image::texel_at(size, place);
+    const glm::ivec3 reached = moved(there, point);
+    CHECK(moved_back(there, reached) == point);
+    const image::CubeTexel found = image::texel_at(size, reached);
     CHECK(found.face == (there.below ? 3 : 2));
-    places.emplace(found.face, found.column, found.row);
+    texels.emplace(found.face, found.column, found.row);
   }
-  CHECK(places.size() == 16);
+  CHECK(texels.size() == 16);
 }
 
 TEST_CASE("A turn is a cube's symmetry if it is within 1e-9 of one", "[symmetry]") {
@@ -370,7 +370,7 @@ TEST_CASE("A turn is a cube's symmetry if it is within 1e-9 of one", "[symmetry]
   CHECK_FALSE(image::cube_symmetry_of(rotation));
 }
 
-// A lat-long that is turned about y by a share of a texel: sharp, within its range, every row's sum kept.
+// A lat-long rotated about y by a fraction of a texel stays sharp and within its range, and keeps every row's sum.
 
 namespace {
 
@@ -413,7 +413,7 @@ TEST_CASE("A lat-long that is turned by a share of a texel stays sharp and keeps
   constexpr int kWidth = 256;
   const LatLongImage image = photograph_like(kWidth, 128);
   const double before = sharpness(image.view());
-  const float least = *std::ranges::min_element(image.pixels);
+  const float smallest = *std::ranges::min_element(image.pixels);
   const float largest = *std::ranges::max_element(image.pixels);
   const glm::dmat3 mirror(-1, 0, 0, 0, 1, 0, 0, 0, 1);
   for (const double texels : {0.1, 0.25, 0.5, 0.75, 33.4}) {
@@ -426,7 +426,7 @@ TEST_CASE("A lat-long that is turned by a share of a texel stays sharp and keeps
       for (int row = 0; row < image.height; ++row) {
         for (int c = 0; c < 3; ++c) CHECK(row_sum(rotated, row, c) == Approx(row_sum(image, row, c)).epsilon(1e-6));
       }
-      CHECK(std::ranges::all_of(rotated.pixels, [&](float value) { return value >= least && value <= largest; }));
+      CHECK(std::ranges::all_of(rotated.pixels, [&](float value) { return value >= smallest && value <= largest; }));
     }
   }
 }

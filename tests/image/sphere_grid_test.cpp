@@ -30,8 +30,8 @@ double cubic_weight(double distance) {
   return x >= 1.0 ? (2 - x) * (2 - x) * (2 - x) / 6 : (4 - 6 * x * x + 3 * x * x * x) / 6;
 }
 
-/// The spline, or the bilinear interpolation, at a place in columns and rings, whole numbers at texels' centres: all in
-/// double, without the border.
+/// Evaluates the spline, or the bilinear interpolation, in double and without the border, at a position in columns and
+/// rings that is integral at texel centres.
 glm::dvec3 value_at(const SphereGrid& grid, double x, double y) {
   const bool cubic = grid.content() == GridContent::spline_coefficients;
   const int columns = grid.columns();
@@ -42,7 +42,7 @@ glm::dvec3 value_at(const SphereGrid& grid, double x, double y) {
       const auto weight = [&](double distance) {
         return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
       };
-      // Over the poles, half a turn on; with two rings over both.
+      // Past a pole, columns / 2 on; with two rings past both poles.
       int at_ring = ring;
       int at_column = column;
       while (at_ring < 0 || at_ring >= rings) {
@@ -124,7 +124,7 @@ TEST_CASE("Spline coefficients give back the samples", "[specular][transform][gr
 }
 
 TEST_CASE("Between its texels the spline is as near as it is said to be", "[specular][transform][grid]") {
-  // One degree alone, half way between four texels: the worst places.
+  // A single degree, midway between four texels: the worst positions.
   const int bands = 48;
   const transforms::Spectrum spectrum = spectrum_of_noise(bands);
   const transforms::GridSize size = transforms::grid_for_bands(bands);
@@ -207,7 +207,7 @@ std::vector<glm::dvec3> texels_of(const Cubemap& map) {
   return texels;
 }
 
-/// The same at a direction: libm's angles.
+/// Returns the grid's value at a direction, by libm's angles.
 glm::dvec3 value_at(const SphereGrid& grid, const glm::dvec3& to) {
   return value_at(grid, (0.5 - std::atan2(to.x, to.z) / (2.0 * kPi)) * grid.columns() - 0.5,
                   std::atan2(std::hypot(to.x, to.z), to.y) / kPi * grid.rings() - 0.5);
@@ -260,7 +260,7 @@ TEST_CASE("A grid's quarter turn permutes the faces bit for bit", "[faces]") {
     rotated.fill_sides(0, 40);
     rotated.fill_poles();
     const std::vector<glm::dvec3> after = texels_of(sampled(rotated, size));
-    // The texel at column + 20 has a longitude that is less by a quarter turn. (No texel's bits change here.)
+    // The texel at column + 20 has a longitude that is less by 90 degrees. (No texel's bits change here.)
     const std::vector<glm::dvec3> wanted =
         texels_of(to_cubemap(sampled(grid, size).view(), size, rotation_about_y(90.0)));
     const std::vector<glm::dvec3> centres = texel_centres(size);

@@ -1,5 +1,5 @@
-// Promise: a cubemap goes into the caller's memory in the format, the pitch and the order that were asked for, the same
-// texels as in a file; nothing is written beside them.
+// Promise: a cubemap goes into the caller's memory in the requested format, pitch and order, with the same texels as in
+// a file; nothing is written outside them.
 #include <Imath/half.h>
 
 #include "image/image_kernels.h"
@@ -30,7 +30,7 @@ Cubemap random_chain(int size, int levels) {
   return chain;
 }
 
-/// What one row is in the format, by the encoder whose every value tests/files/textures_test.cpp knows.
+/// Returns one row in the format, by the encoder whose every value tests/files/textures_test.cpp checks.
 std::vector<std::uint8_t> encoded_row(const Cubemap& chain, int level, int face, int row, TexelFormat format) {
   const auto edge = static_cast<std::size_t>(chain.level_size(level));
   std::vector<std::uint8_t> texels(edge * texel_bytes(format));
@@ -157,7 +157,7 @@ TEST_CASE("upload: what does not fit is refused before anything is written") {
 
 namespace {
 
-/// Values over the whole range, denormals and places halfway between two among them.
+/// Returns values over the whole range, denormals and midpoints between two values among them.
 std::vector<float> values_up_to(float largest, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<float> values{0.0F, largest, std::numeric_limits<float>::denorm_min(), 0x1p-24F, 0x1p-25F, 0x3p-26F};
@@ -196,7 +196,7 @@ std::size_t nearest(const std::vector<double>& values, double value) {
 
 bool is_a_number(std::uint16_t half) { return (half & 0x7C00U) != 0x7C00U; }
 
-/// All halves, infinities and NaNs too; the floats half way between two of them, and next to those; random bits.
+/// Every half, infinities and NaNs too; the floats midway between two of them, and next to those; random bits.
 std::vector<float> values_around_halves() {
   std::vector<float> values;
   for (unsigned bits = 0; bits < 65536; ++bits) {

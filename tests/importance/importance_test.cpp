@@ -16,7 +16,7 @@ namespace welkin::test {
 
 namespace {
 
-/// What picks a direction.
+/// Two numbers in [0, 1) that pick a direction.
 struct Numbers {
   double across;
   double down;
@@ -63,14 +63,14 @@ std::vector<Numbers> independent(int count, unsigned seed) {
   return points;
 }
 
-/// Bits of all that a table holds.
+/// Compares the bits of all that a table holds.
 bool same(const ImportanceTable& a, const ImportanceTable& b) {
   return same_bytes<float>(a.function, b.function) && same_bytes<float>(a.row_cdf, b.row_cdf) &&
          same_bytes<float>(a.column_cdf, b.column_cdf) && a.integral == b.integral;
 }
 
-/// Pearson's statistic of counts against probabilities, cells below 5 expected ones taken together; and how many cells
-/// there were, less one.
+/// Pearson's statistic of counts against probabilities, with cells below 5 expected counts merged; and the number of
+/// cells, less one.
 struct ChiSquare {
   double statistic = 0.0;
   int degrees = -1;
@@ -183,7 +183,7 @@ TEST_CASE("importance: directions are picked as often as the density says", "[im
 }
 
 TEST_CASE("importance: within a texel directions are even by solid angle", "[importance]") {
-  // Two rows: of each half a sphere, the mean of y over evenly picked directions is 1/2.
+  // Two rows: over uniform directions of either hemisphere the mean of |y| is 1/2.
   LatLongImage image = grey_lat_long(2, 2, 0.0F);
   set_texel(image, 1, 0, 1.0F);
   const ImportanceTable table = importance_table(image.view());
@@ -258,11 +258,11 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
     const auto probabilities = [](std::span<const AliasEntry> entries) {
       std::vector<double> result(entries.size(), 0.0);
       for (std::size_t k = 0; k < entries.size(); ++k) {
-        const double own = static_cast<double>(entries[k].own);
-        REQUIRE(own >= 0.0);
-        REQUIRE(own <= 1.0);
-        result[k] += own / static_cast<double>(entries.size());
-        result.at(entries[k].other) += (1.0 - own) / static_cast<double>(entries.size());
+        const double keep = static_cast<double>(entries[k].own);
+        REQUIRE(keep >= 0.0);
+        REQUIRE(keep <= 1.0);
+        result[k] += keep / static_cast<double>(entries.size());
+        result.at(entries[k].other) += (1.0 - keep) / static_cast<double>(entries.size());
       }
       return result;
     };
@@ -276,7 +276,7 @@ TEST_CASE("importance: alias tables and pyramids hold the table's probabilities"
         largest = std::max(largest, std::abs(rows[row] * within[k] - expected));
       }
     }
-    // Of a lone row without light the columns are even.
+    // A lone row without light has uniform columns.
     if (height > 1 || width > 1) CHECK(largest < 1e-7);
 
     const ImportancePyramid pyramid = importance_pyramid(table);

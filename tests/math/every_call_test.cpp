@@ -1,4 +1,4 @@
-// What callers give and may ask of any call: directions, and the `Control` of work that takes long.
+// Contracts of all calls: the directions that they take, and the `Control` of work that takes long.
 #include "image/sphere_grid.h"
 #include "math/basis.h"
 #include "reflections/brdf_table.h"
@@ -23,12 +23,12 @@
 
 namespace welkin::test {
 
-// Promise: a direction may have any finite length but 0, which changes the result by no more than rounding; one that is
+// Promise: a direction may have any finite length but 0, which changes the result by no more than rounding. One that is
 // zero or not finite is refused.
 
 namespace {
 
-/// What a call makes of a direction, as numbers.
+/// A call that takes a direction, with its result as numbers.
 struct Taking {
   const char* name;
   std::function<std::vector<double>(const dvec3&)> call;
@@ -72,8 +72,8 @@ std::vector<Taking> calls_about_light() {
        }},
       {"octahedral_encode",
        [](const dvec3& d) {
-         const std::array<double, 2> place = octahedral_encode(d);
-         return std::vector<double>{place[0], place[1]};
+         const std::array<double, 2> position = octahedral_encode(d);
+         return std::vector<double>{position[0], position[1]};
        }},
       {"probe_irradiance", [](const dvec3& d) { return numbers(probe_irradiance(lit_probe(), {}, d)); }},
   };
@@ -159,16 +159,16 @@ TEST_CASE("directions that are refused are numbered among many", "[directions]")
         }).says("direction 2 is (0, 0, 0)"));
 }
 
-// Promises: a call ends when it is asked to, says how far it is by numbers that rise to 1, one at a time, and allocates
-// nothing inside tiles.
+// Promises: a call ends when it is cancelled, reports its progress by numbers that rise to 1, one at a time, and
+// allocates nothing inside tiles.
 
 namespace {
 
 struct Work {
   const char* name;
   std::function<void(const Control&)> run;
-  std::vector<double> moments{};  ///< shares that are done when it is asked to stop, beside none
-  int reports = 1;                ///< so many are more than there need be
+  std::vector<double> moments{};  ///< shares of the work at which it is cancelled, in addition to 0
+  int reports = 1;                ///< minimum number of reports
 };
 
 const std::vector<double> kLate{0.02, 0.3, 0.6, 0.9};
@@ -263,7 +263,7 @@ std::vector<Work> skies() {
            {0.1}}};
 }
 
-/// Those whose tiles' heap is watched by other tests.
+/// Work whose tiles' heap use other tests check.
 std::vector<Work> integrals() {
   const auto small = std::make_shared<TestCubemap>(make_cubemap(Content::random, 4, 3, 2));
   const auto large = std::make_shared<TestCubemap>(make_cubemap(Content::random, 256, 3, 1));
@@ -312,7 +312,7 @@ void check_control(const Work& work) {
   CHECK_FALSE(together);
 }
 
-/// `warm`: not in the first call, which makes tables.
+/// `warm`: not on the first call, which builds tables.
 void check_tiles(const Work& work, bool warm) {
   run_with_threads(3, [&] {
     if (warm) work.run({});

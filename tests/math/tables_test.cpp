@@ -1,4 +1,4 @@
-// Functions of our own, quadratures, and the cache of tables that depend on a size alone.
+// Welkin's elementary functions, quadratures, and the cache of tables that depend on a size alone.
 #include "math/elementary.h"
 #include "math/quadrature.h"
 #include "math/table_cache.h"
@@ -6,7 +6,7 @@
 
 namespace welkin::test {
 
-// Promise: our own exponential is right to four units of the last place, and meets its ends.
+// Promise: Welkin's exponential is accurate to four units in the last place, also at the ends of its range.
 
 TEST_CASE("Exponentials agree with long double ones", "[tables][exponential][slow]") {
   std::mt19937_64 generator(11);
@@ -139,7 +139,7 @@ TEST_CASE("A Gauss rule has the same bits whoever asks for it first", "[tables][
   CHECK(wrong == std::vector<int>(4, 0));
 }
 
-// The cache: one build for all who want the same table, and a bound on what is kept.
+// The cache: one build for all requests of the same table, and a bound on what is kept.
 
 namespace {
 
@@ -176,7 +176,7 @@ TEST_CASE("What is looked for is found if it is there, and counts as used", "[ta
   math::TableCache<int, Table> cache(100);
   CHECK(cache.find(1) == nullptr);
   const auto first = cache.get(1, [&] {
-    CHECK(cache.find(1) == nullptr);  // not yet, and nobody waits
+    CHECK(cache.find(1) == nullptr);  // not yet, and without waiting
     return make(40);
   });
   cache.get(2, [] { return make(40); });
@@ -205,7 +205,7 @@ TEST_CASE("The least recently used tables go when the bound is reached", "[table
   CHECK(built == 3);
   get(2);
   CHECK(built == 4);
-  CHECK(held->size == 40);  // whoever holds a table keeps it
+  CHECK(held->size == 40);  // a held table stays alive
 }
 
 TEST_CASE("A table larger than the bound is handed out and not kept", "[tables]") {

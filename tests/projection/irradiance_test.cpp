@@ -177,13 +177,13 @@ TEST_CASE("Normals that cannot be are refused", "[sh][irradiance]") {
   CHECK(thrown_by([&] { (void)direct_irradiance(image.view(), std::span<const glm::dvec3>()); }).says("1 to 100000"));
 }
 
-// Promise: the irradiance of n bands is off by what docs/maths/irradiance.md says, on real environments and synthetic
-// ones.
+// Promise: the irradiance of n bands has the error that docs/maths/irradiance.md states, for real and synthetic
+// environments.
 
 namespace {
 
-/// E of a lone light in all bands minus that in the first ones, root mean square over normals: what is left out has
-/// the power sum over l of A_l^2 (2l + 1) / 4 pi, spread over the sphere; all of it is that of the clipped cosine, 1/6.
+/// Returns a lone light's E in all bands minus that in the first `bands`, root mean square over normals. The rest has
+/// the power sum over l of A_l^2 (2l + 1) / 4 pi, spread over the sphere; all bands have the clipped cosine's, 1/6.
 double share_left_out(int bands) {
   double kept = 0.0;
   for (int l = 0; l < bands; ++l) kept += cosine_lobe(l) * cosine_lobe(l) * (2.0 * l + 1.0) / (16.0 * kPi * kPi);

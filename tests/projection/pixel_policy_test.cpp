@@ -60,14 +60,14 @@ TEST_CASE("Options out of range are refused", "[sh]") {
   }
 }
 
-// What is done about NaN, infinities, negatives, gamma and too bright texels, and what is said of it.
+// Treatment and diagnostics of NaN, infinities, negatives, gamma and too bright texels.
 
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The cubemap's channel at a place.
+/// Returns a channel of one of the cubemap's texels.
 float& channel(TestCubemap& cubemap, int face, int row, int column, int c) {
   const int texel = (face * cubemap.size + row) * cubemap.size + column;
   return cubemap.pixels[static_cast<std::size_t>(texel * cubemap.channels + c)];

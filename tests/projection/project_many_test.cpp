@@ -156,9 +156,9 @@ TEST_CASE("Probes and room are looked at before anything is written", "[projecti
   CHECK(broken.message.starts_with("probe 12: "));
   views[12] = clean.view();
   found.pop_back();
-  const ThrownError short_room = thrown_by([&] { project_many(views, found); });
-  CHECK(short_room.code == ErrorCode::invalid_argument);
-  CHECK(short_room.says("179 elements"));
+  const ThrownError too_short = thrown_by([&] { project_many(views, found); });
+  CHECK(too_short.code == ErrorCode::invalid_argument);
+  CHECK(too_short.says("179 elements"));
   CHECK(thrown_by([&] { project_many(views, found, {.bands = 17}); }).code == ErrorCode::invalid_argument);
   CHECK(std::ranges::all_of(found, [](const dvec3& value) { return value == dvec3(7.0); }));
 }

@@ -75,7 +75,7 @@ TEST_CASE("No texel errs by more than the midpoint rule's estimate", "[sh][estim
   }
 }
 
-// Seen: 905 times the estimate, which was made of the coefficients alone, and those know nothing of a pattern that
+// Regression: the error was 905 times an estimate from the coefficients alone, which do not contain a pattern that
 // cells average away.
 TEST_CASE("Checkers do not deceive the estimate of a target size", "[sh][target][estimates][truth]") {
   for (const Quadrature quadrature : {Quadrature::exact, Quadrature::midpoint}) {
@@ -107,8 +107,8 @@ TEST_CASE("Every way to a projection has the same estimate", "[sh][target][estim
   }
 }
 
-// Promise: one program integrates images over kernels, and its truths agree: a kernel is shared out among all texels,
-// and a cosine is the same by whatever name it comes.
+// Promise: one program integrates images over kernels, and its references agree: a kernel's integrals over all texels
+// add up to that over the sphere, and a cosine's integral is the same under every name.
 
 namespace {
 
@@ -189,10 +189,10 @@ namespace {
 /// from where its row stops being integrated texel by texel on.
 double worst_of_lone_texel(const EnvironmentView& view, const TexelGrid& grid, int row, int column) {
   const auto texels = texel_integrals_of(grid);
-  projection::TexelRow places(static_cast<std::size_t>(grid.columns()));
-  texels->fill(row, places);
+  projection::TexelRow centres(static_cast<std::size_t>(grid.columns()));
+  texels->fill(row, centres);
   const auto i = static_cast<std::size_t>(column);
-  const glm::dvec3 centre(places.x[i], places.y[i], places.z[i]);
+  const glm::dvec3 centre(centres.x[i], centres.y[i], centres.z[i]);
   const glm::dvec3 aside = glm::normalize(glm::cross(centre, glm::dvec3(0.36, 0.48, 0.8)));
   std::vector<glm::dvec3> axes;
   for (const double degrees : {30.0, 50.0, 65.0}) {

@@ -124,7 +124,7 @@ TEST_CASE("A texel that goes round the whole sphere has nothing above band 0, fo
   }
 }
 
-// What must hold of any projection: linearity, rotations, mirror images, energy.
+// Properties of any projection: linearity, rotations, mirror images, energy.
 
 namespace {
 
@@ -253,8 +253,8 @@ TEST_CASE("faces: what cannot be is refused, and leaves the sums as they were") 
   CHECK(code_of([&] { update_faces(kept, cubemap.view(), std::array{6}); }) == ErrorCode::invalid_argument);
   for (const ProjectionOptions& options : {ProjectionOptions{.bands = 0}, ProjectionOptions{.bands = 17},
                                            ProjectionOptions{.quadrature = Quadrature::midpoint, .target_size = 2}}) {
-    FaceHarmonics own(cubemap.size, options);  // whose options nobody has looked at
-    CHECK(code_of([&] { update_faces(own, cubemap.view(), std::array{2}); }) == ErrorCode::invalid_argument);
+    FaceHarmonics unchecked(cubemap.size, options);  // its options have not been checked
+    CHECK(code_of([&] { update_faces(unchecked, cubemap.view(), std::array{2}); }) == ErrorCode::invalid_argument);
   }
   CHECK(code_of([&] { update_faces(kept, cubemap.view(), std::array{2, 2}); }) == ErrorCode::invalid_argument);
   const TestCubemap other = make_cubemap(Content::smooth, 9, 3, 2);

@@ -122,11 +122,11 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
     std::vector<double> first_set;
     std::vector<float> first_planes;
     for (const InstructionSet set : available_instruction_sets()) {
-      platform::AlignedBuffer<float> room(static_cast<std::size_t>(projection::strip_scratch(moments)));
+      platform::AlignedBuffer<float> scratch(static_cast<std::size_t>(projection::strip_scratch(moments)));
       platform::AlignedBuffer<double> sums(27 * projection::kSumLanes);
       std::fill_n(sums.data(), sums.size(), 0.0);
       projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].sum(
-          pieces, texels, weights.data(), room.data(), sums.data());
+          pieces, texels, weights.data(), scratch.data(), sums.data());
       std::vector<double> folded(27);
       projection::projection_kernels(set).fold_sum_lanes(sums.data(), 27, folded.data());
       for (std::size_t k = 0; k < folded.size(); ++k) {
@@ -139,7 +139,7 @@ void require_strip_summed(projection::FoldFormat format, int channels, int row_v
       platform::AlignedBuffer<float> planes(expected_planes.size());
       std::fill_n(planes.data(), planes.size(), 0.0F);
       projection::strip_kernels(set).strips[format].of[moments - projection::kMinMoments].fold(
-          pieces, texels, room.data(), planes.data());
+          pieces, texels, scratch.data(), planes.data());
       int wrong = 0;
       for (std::size_t k = 0; k < planes.size(); ++k)
         wrong += std::abs(static_cast<double>(planes.data()[k]) - expected_planes[k]) < 2e-3 ? 0 : 1;
@@ -220,7 +220,7 @@ TEST_CASE("What moments weigh gives every texel its integral", "[projection][str
                                       {544, 10},
                                       {1024, 16}}) {
       REQUIRE(projection::StripWeights::serve(size, bands));
-      // Rows at the edge, between and at the middle; columns likewise.
+      // Rows and columns at the edge, between, and at the middle.
       for (const int strip : {0, size / 80, size / 2 / kStripRows - 1}) {
         for (const int column : {0, size / 64 * 16, size / 2 - 16}) {
           // A harmonic of l bands is at most (2 l - 1) / 4 pi squared: sqrt(5), or more, times as large as Y(0, 0).
@@ -249,7 +249,7 @@ TEST_CASE("Large faces' weights of many bands are those of a finer rule", "[proj
         for (int t = 0; t < chunk.column_count; ++t) {
           const auto truth = static_cast<double>(fine[static_cast<std::size_t>(f * projection::kChunk + t)]);
           const auto weight = static_cast<double>(weights[f * projection::kChunk + t]);
-          // A float's last place, and what the rule may be off by: row 0 is the solid angle times Y(0, 0).
+          // A float's last bit, and the rule's error: row 0 is the solid angle times Y(0, 0).
           const double most = 1.2e-7 * std::abs(truth) + 2e-8 * static_cast<double>(fine[t]);
           wrong += std::abs(weight - truth) <= most ? 0 : 1;
         }
@@ -279,7 +279,7 @@ TEST_CASE("Large faces: what is not finite is replaced, counted, and leaves othe
       cubemap.pixels[at] = value;
       replaced.pixels[at] = value > 0.0F ? 65504.0F : 0.0F;
     }
-    if (channels == 4) cubemap.pixels[4003] = std::numeric_limits<float>::quiet_NaN();  // an alpha: nobody reads it
+    if (channels == 4) cubemap.pixels[4003] = std::numeric_limits<float>::quiet_NaN();  // an alpha, which is ignored
     const Projection result = project(cubemap.view());
     CHECK(same_bits(result.radiance, project(replaced.view()).radiance));
     CHECK(result.diagnostics.nans_replaced == 1);

@@ -1,4 +1,4 @@
-// Suns in images: found where they are and nowhere else, taken out without a loss, real ones as well.
+// Suns in images and photographs: found where they are and nowhere else, and extracted without loss.
 #include "projection/sun_detection.h"
 
 #include "places.h"
@@ -24,7 +24,7 @@ namespace {
 
 const glm::dvec3 kRadiance{2e5, 1.5e5, 5e4};
 
-std::vector<glm::dvec3> places() {
+std::vector<glm::dvec3> disc_directions() {
   std::vector<glm::dvec3> result{{0, 1, 0},  {0, -1, 0}, {0, 0, -1}, {1, 1, 1},        {-1, 1, -1},
                                  {1, 0, -1}, {-3, 2, 5}, {5, 1, 2},  {0.01, 1, 0.004}, {0.003, -0.2, -1}};
   for (glm::dvec3& position : result) position = glm::normalize(position);
@@ -52,14 +52,14 @@ void check_disc(Image image, const glm::dvec3& position, double radius, double t
 }  // namespace
 
 TEST_CASE("A disc's light, place and size do not depend on the resolution", "[image][sun][truth]") {
-  for (const glm::dvec3& position : places()) {
+  for (const glm::dvec3& position : disc_directions()) {
     check_disc(grey_lat_long(256, 128, 1.0F), position, 0.9, 360.0 / 256);
     check_disc(grey_cubemap(64, 1.0F), position, 1.9, 115.0 / 64);  // a texel at a face's middle, the widest
   }
   for (const std::size_t i : {0U, 3U, 6U}) {
-    check_disc(grey_lat_long(512, 256, 1.0F), places()[i], 1.9, 360.0 / 512);
-    check_disc(grey_lat_long(1024, 512, 1.0F), places()[i], 0.9, 360.0 / 1024);
-    check_disc(grey_cubemap(256, 1.0F), places()[i], 0.9, 115.0 / 256);
+    check_disc(grey_lat_long(512, 256, 1.0F), disc_directions()[i], 1.9, 360.0 / 512);
+    check_disc(grey_lat_long(1024, 512, 1.0F), disc_directions()[i], 0.9, 360.0 / 1024);
+    check_disc(grey_cubemap(256, 1.0F), disc_directions()[i], 0.9, 115.0 / 256);
   }
 }
 
@@ -221,13 +221,13 @@ TEST_CASE("Suns are refused in words when options or sizes are wrong", "[image][
 
 namespace {
 
-const glm::dvec3 kPlaces[] = {{0, 0, 1},
-                              {0, 1, 0},
-                              {0, -1, 0},
-                              {0, 0, -1},
-                              {0.577350269, 0.577350269, 0.577350269},
-                              {0.707106781, 0, -0.707106781},
-                              {0.48, 0.6, 0.64}};
+const glm::dvec3 kSunDirections[] = {{0, 0, 1},
+                                     {0, 1, 0},
+                                     {0, -1, 0},
+                                     {0, 0, -1},
+                                     {0.577350269, 0.577350269, 0.577350269},
+                                     {0.707106781, 0, -0.707106781},
+                                     {0.48, 0.6, 0.64}};
 
 template <class Image>
 void make_noisy(Image& image, std::uint32_t seed) {
@@ -280,7 +280,7 @@ void check_energy(Image image, bool expect_sun) {
 
 TEST_CASE("Map plus sun is the map that was, at every size and place", "[image][sun][truth]") {
   for (const int size : {1, 2, 3, 7, 64, 257}) {
-    for (const glm::dvec3& position : kPlaces) {
+    for (const glm::dvec3& position : kSunDirections) {
       CAPTURE(size, position.x, position.y, position.z);
       LatLongImage lat_long = grey_lat_long(2 * size, size, 1.0F);
       make_noisy(lat_long, 7);
@@ -358,7 +358,7 @@ std::vector<double> green_irradiance(const LatLongImage& image, const std::vecto
   return result;
 }
 
-/// Root mean square error over that of the truth.
+/// Returns the root mean square error over the root mean square of the reference.
 double relative_rms(const std::vector<double>& found, const std::vector<double>& truth) {
   double error = 0.0;
   double square = 0.0;
@@ -419,7 +419,7 @@ TEST_CASE("A sun of one colour takes no other", "[image][sun]") {
 }
 
 TEST_CASE("Photographs with a sun have one, the others have none", "[image][sun][shared][truth]") {
-  // Largest radius in degrees and least share of the light; 0: no sun. The hotel room's spotlight is as good as a sun.
+  // Maximum radius in degrees and minimum fraction of luminance; 0: no sun. The hotel room's spotlight counts as one.
   const std::map<std::string, std::pair<double, double>> expected{
       {"blender_city.exr", {0.6, 0.2}},         {"blender_sunrise.exr", {0.8, 0.5}},
       {"blender_sunset.exr", {0.6, 0.02}},      {"openexr_KernerEnvLatLong.exr", {1.7, 0.2}},

@@ -211,7 +211,7 @@ TEST_CASE("Real lat-longs agree with what an independent program recorded", "[sh
     REQUIRE(at->second.size() == 9);
     const SphericalHarmonics found = project_file(path).radiance;
     // Recorded with +x a quarter in from the right, where Welkin and OpenEXR have it a quarter in from the
-    // left: what is odd in x changes its sign. Their rule is the midpoint's, off by some 7 / width^2.
+    // left: what is odd in x changes its sign. Theirs is the midpoint rule, whose error is about 7 / width^2.
     constexpr double odd_in_x[9] = {1, 1, 1, -1, -1, 1, 1, -1, 1};
     SphericalHarmonics truth(3);
     for (std::size_t k = 0; k < 9; ++k) truth.coefficients()[k] = odd_in_x[k] * at->second[k].second;

@@ -1,4 +1,4 @@
-// What a path draws: random numbers, and with them new directions as light is scattered.
+// Random numbers of a path, and the directions of scattered light that are drawn with them.
 #pragma once
 
 #include <cmath>
@@ -11,13 +11,13 @@
 
 namespace welkin::sky {
 
-/// Random numbers by counter: the n-th of a path is a function of seed, path and n, whoever asks and when.
+/// Counter-based random numbers: the n-th of a path is a function of seed, path and n alone.
 /// SplitMix64 (Steele, Lea and Flood 2014; constants of Stafford's variant 13), keyed by seed and path.
 class PathRandom {
  public:
   PathRandom(std::uint64_t seed, std::uint64_t path) noexcept : state_(mix(mix(seed + kStep) ^ mix(~path))) {}
 
-  /// In [0, 1), 53 bits.
+  /// Returns the next number in [0, 1), with 53 bits.
   double number() noexcept {
     state_ += kStep;
     return static_cast<double>(mix(state_) >> 11U) * 0x1p-53;
@@ -35,7 +35,7 @@ class PathRandom {
   std::uint64_t state_;
 };
 
-/// Cosine of the angle of Rayleigh scattering: by rejection under (1 + c^2) / 2.
+/// Draws the cosine of an angle of Rayleigh scattering, by rejection under (1 + c^2) / 2.
 [[nodiscard]] inline double draw_rayleigh(PathRandom& random) noexcept {
   for (;;) {
     const double cosine = 2.0 * random.number() - 1.0;
@@ -43,8 +43,8 @@ class PathRandom {
   }
 }
 
-/// Henyey and Greenstein's distribution inverted, in 1 - c so that a sharp lobe keeps its digits: with k = (1 - g)(1 +
-/// g) / (1 - g + 2 g u), 2 g c = 1 + g^2 - k^2.
+/// Inverts Henyey and Greenstein's distribution, in 1 - c so that a sharp lobe keeps its digits: 2 g c = 1 + g^2 - k^2
+/// with k = (1 - g)(1 + g) / (1 - g + 2 g u).
 [[nodiscard]] inline double draw_henyey_greenstein(double g, PathRandom& random) noexcept {
   const double u = random.number();
   const double size = g < 0.0 ? -g : g;
@@ -63,7 +63,7 @@ class PathRandom {
   }
 }
 
-/// The unit direction at that angle from `axis`, all azimuths alike.
+/// Draws a unit direction at that angle from `axis`, with uniform azimuth.
 [[nodiscard]] inline glm::dvec3 turned(const glm::dvec3& axis, double cosine, PathRandom& random) noexcept {
   const glm::dvec3 other = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
   const glm::dvec3 u = glm::normalize(glm::cross(axis, other));

@@ -28,9 +28,9 @@ ReferenceAir::ReferenceAir(const Atmosphere& atmosphere)
       sun_radius_(atmosphere.sun_angular_radius_degrees * std::numbers::pi / 180.0),
       drawn_asymmetry_(atmosphere.aerosol_asymmetry) {
   check(atmosphere);
-  const std::vector<double>& own = atmosphere.aerosol_asymmetries;
-  if (!own.empty()) {
-    drawn_asymmetry_ = std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
+  const std::vector<double>& each = atmosphere.aerosol_asymmetries;
+  if (!each.empty()) {
+    drawn_asymmetry_ = std::accumulate(each.begin(), each.end(), 0.0) / static_cast<double>(each.size());
   }
   atmosphere_.ground_albedo = or_zeros(atmosphere.ground_albedo, wavelengths());
   add_matter(atmosphere.rayleigh, true);
@@ -52,8 +52,8 @@ void ReferenceAir::add_matter(const Constituent& constituent, bool rayleigh) {
   matter_.push_back(std::move(matter));
 }
 
-/// Breaks, and between two of them steps that grow with the distance from either, in scale heights: an exponential is
-/// resolved where it is large, however thin its layer is in all that air.
+/// Adds the breaks, and between two of them steps that grow with the distance from either, in scale heights. That
+/// resolves an exponential where it is large, however thin its layer is.
 void ReferenceAir::add_altitudes(std::span<const DensityLayer> layers) {
   std::vector<double> breaks = density_breaks(layers, thickness_);
   altitudes_.insert(altitudes_.end(), breaks.begin(), breaks.end());
@@ -146,8 +146,8 @@ double ReferenceAir::optical_depth(const Columns& columns, std::size_t wavelengt
 }
 
 double ReferenceAir::phase(const Matter& matter, std::size_t wavelength, double cosine) const noexcept {
-  const std::vector<double>& own = atmosphere_.aerosol_asymmetries;
-  const double g = own.empty() ? atmosphere_.aerosol_asymmetry : own[wavelength];
+  const std::vector<double>& each = atmosphere_.aerosol_asymmetries;
+  const double g = each.empty() ? atmosphere_.aerosol_asymmetry : each[wavelength];
   return matter.rayleigh ? rayleigh_phase(cosine) : aerosol_phase(atmosphere_.aerosol_phase, g, cosine);
 }
 
@@ -169,8 +169,8 @@ AirRay ReferenceAir::sun_ray(double square, double sun_slope) const noexcept {
   return ray_to_top(square, std::max(sun_slope, -std::sqrt(std::max(0.0, square))));
 }
 
-/// sun_slope(s) + sqrt(square(s)) = elevation R: with c = elevation R - sun_slope, (c - s nu)^2 = square + s (2 slope +
-/// s), where c - s nu is not negative. (What is found on its other branch cuts a piece where none need be: harmless.)
+/// Solves sun_slope(s) + sqrt(square(s)) = elevation R. With c = elevation R - sun_slope, (c - s nu)^2 = square + s (2
+/// slope + s), where c - s nu is not negative. (A root on the other branch cuts a piece needlessly, which is harmless.)
 std::vector<double> ReferenceAir::shadow_ends(const AirRay& ray, double sun_slope, double sun_cosine) const {
   std::vector<double> result;
   const auto add = [&](double s) {
@@ -239,8 +239,8 @@ PathShells::PathShells(const ReferenceAir& air) : air_(air) {
   for (const double bound : bounds_) squares_.push_back(air.square_of(bound));
 }
 
-/// All densities are monotone here: the extremes are at the ends. (Matter is added up as if all were densest at the
-/// same end: never too little.)
+/// All densities are monotone here, so the extremes are at the ends. (The sum assumes that all matter is densest at the
+/// same end: it is never too small.)
 double PathShells::densest(double low, double high, bool thinnest) const {
   double most = 0.0;
   for (std::size_t w = 0; w < air_.wavelengths(); ++w) {
@@ -256,8 +256,8 @@ double PathShells::densest(double low, double high, bool thinnest) const {
   return most;
 }
 
-/// Whether an exponential decays here so fast that five places would miss it: beside a constant it may, and change the
-/// sum by a factor of two only.
+/// Returns whether an exponential decays here so fast that five nodes would miss it. Added to a constant it may, while
+/// the sum changes by a factor of two only.
 bool PathShells::steep(double low, double high, double most) const {
   for (const ReferenceAir::Matter& matter : air_.matter()) {
     const DensityLayer& layer = *layer_about(matter.density, 0.5 * (low + high));
@@ -308,15 +308,15 @@ void PathShells::densities(std::size_t i, double square, Columns& values) const 
 }
 
 PathShells::Columns PathShells::columns(const AirRay& ray, std::size_t i, double from, double to) const noexcept {
-  constexpr std::array<double, 5> place{-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831,
+  constexpr std::array<double, 5> nodes{-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831,
                                         0.9061798459386640};
   constexpr std::array<double, 5> weight{0.2369268850561891, 0.4786286704993665, 0.5688888888888889, 0.4786286704993665,
                                          0.2369268850561891};
   Columns sum{};
   Columns values{};
   const double half = 0.5 * (to - from);
-  for (std::size_t p = 0; p < place.size(); ++p) {
-    const double s = from + half + half * place[p];
+  for (std::size_t p = 0; p < nodes.size(); ++p) {
+    const double s = from + half + half * nodes[p];
     densities(i, ray.square + s * (2.0 * ray.slope + s), values);
     for (std::size_t k = 0; k < air_.matter().size(); ++k) sum[k] += half * weight[p] * values[k];
   }

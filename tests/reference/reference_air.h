@@ -1,5 +1,5 @@
-// An atmosphere as the references see it: how much of each matter lies along a ray, and how much sun reaches a point.
-// All in double, by quadrature, without a table.
+// The references' model of an atmosphere: how much of each matter lies along a ray, and how much sunlight reaches a
+// point. Everything is in double, by quadrature, without tables.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace welkin::sky {
 
-/// The part of a ray that is in the air. With r the distance from the planet's centre at its start, mu the cosine of
-/// the zenith angle: square = r^2 - R^2 and slope = r mu; then r(s)^2 - R^2 = square + s (2 slope + s). Nothing in it
-/// is a difference of two squared radii.
+/// The part of a ray that is in the air. With r the distance from the planet's centre at its start and mu the cosine of
+/// the zenith angle, square = r^2 - R^2 and slope = r mu; then r(s)^2 - R^2 = square + s (2 slope + s). No term is a
+/// difference of two squared radii.
 struct AirRay {
   double square = 0.0;  ///< m2
   double slope = 0.0;   ///< m
   double length = 0.0;  ///< m; 0: the ray meets no air
-  bool ground = false;  ///< its end
+  bool ground = false;  ///< whether it ends on the ground
 };
 
 class ReferenceAir {
@@ -30,9 +30,9 @@ class ReferenceAir {
 
   struct Matter {
     std::vector<DensityLayer> density;
-    std::vector<double> scattering;  ///< 1/m, one each wavelength
+    std::vector<double> scattering;  ///< 1/m, one per wavelength
     std::vector<double> extinction;
-    bool rayleigh = false;  ///< its phase function; else the aerosol's
+    bool rayleigh = false;  ///< whether its phase function is Rayleigh's, else the aerosol's
   };
 
   /// Checks the atmosphere.
@@ -44,40 +44,40 @@ class ReferenceAir {
   [[nodiscard]] double radius() const noexcept { return atmosphere_.bottom_radius_m; }
   [[nodiscard]] double thickness() const noexcept { return thickness_; }
 
-  /// r^2 - R^2 and back.
+  /// Converts an altitude to r^2 - R^2, and back.
   [[nodiscard]] double square_of(double altitude) const noexcept { return altitude * (2.0 * radius() + altitude); }
   [[nodiscard]] double altitude_of(double square) const noexcept;
   [[nodiscard]] double altitude_at(const AirRay& ray, double s) const noexcept {
     return altitude_of(ray.square + s * (2.0 * ray.slope + s));
   }
 
-  /// Cosine and sine of the zenith angle. In space it begins where the ray enters; `skipped` is how far that is.
+  /// Returns a ray by cosine and sine of its zenith angle. From space it begins at the air, `skipped` metres away.
   [[nodiscard]] AirRay ray(double altitude, double cosine, double sine, double* skipped = nullptr) const noexcept;
-  /// From a point in the air to the top; no ground is in the way.
+  /// Returns a ray from a point in the air to the top, with no ground in the way.
   [[nodiscard]] AirRay ray_to_top(double square, double slope) const noexcept;
 
-  /// Places along a ray where it passes `altitudes_` or its own lowest point, and its two ends, rising.
+  /// Returns the rising distances along a ray of its two ends, its lowest point, and `altitudes_`.
   [[nodiscard]] std::vector<double> ends(const AirRay& ray) const;
 
-  /// Matter along [from, to] of a ray, which `ends` (its own) cut into smooth pieces.
+  /// Returns the matter along [from, to] of a ray, which its `ends` cut into smooth pieces.
   [[nodiscard]] Columns columns(const AirRay& ray, std::span<const double> ends, double from, double to,
                                 double relative_error) const;
   [[nodiscard]] Columns columns(const AirRay& ray, double relative_error) const;
 
   [[nodiscard]] double optical_depth(const Columns& columns, std::size_t wavelength) const noexcept;
   [[nodiscard]] double phase(const Matter& matter, std::size_t wavelength, double cosine) const noexcept;
-  /// The phase function that directions are drawn by: of an aerosol whose g differs by wavelength, that of the mean.
+  /// Returns the phase function to draw directions by: for an aerosol whose g differs by wavelength, that of the mean.
   [[nodiscard]] double drawn_phase(const Matter& matter, double cosine) const noexcept;
   [[nodiscard]] double drawn_asymmetry() const noexcept { return drawn_asymmetry_; }
 
-  /// Elevation of the sun's centre over a point's own horizon, radians nearly: (mu_s - mu_h) r / R.
+  /// Returns the elevation of the sun's centre above a point's local horizon, nearly in radians: (mu_s - mu_h) r / R.
   /// `sun_slope` is r mu_s.
   [[nodiscard]] double sun_elevation(double square, double sun_slope) const noexcept;
-  /// The share of the sun's disc that is up.
+  /// Returns the share of the sun's disc above the horizon.
   [[nodiscard]] double visible_share(double elevation) const noexcept;
-  /// Where sunlight at a point in the air comes through: towards the centre, or the horizon if that is below it.
+  /// Returns the ray from a point in the air towards the sun's centre, or the horizon if the centre is below it.
   [[nodiscard]] AirRay sun_ray(double square, double sun_slope) const noexcept;
-  /// Places along a ray where the disc's rims or centre meet the local horizon. `sun_slope` is that of its start.
+  /// Returns where along a ray the disc's rims or centre meet the local horizon. `sun_slope` is that of its start.
   [[nodiscard]] std::vector<double> shadow_ends(const AirRay& ray, double sun_slope, double sun_cosine) const;
 
  private:
@@ -89,11 +89,11 @@ class ReferenceAir {
   double sun_radius_;  ///< radians
   double drawn_asymmetry_;
   std::vector<Matter> matter_;
-  /// Between them all densities are smooth and change by no more than some powers of e^10; rising.
+  /// Rising altitudes between which all densities are smooth and change by no more than a few powers of e^10.
   std::vector<double> altitudes_;
 };
 
-/// Air cut into shells in which its extinction changes little: how much of it lies along the many rays of paths.
+/// Air in shells of nearly constant extinction, to find how much of it lies along the many rays of paths.
 class PathShells {
  public:
   using Columns = ReferenceAir::Columns;
@@ -101,17 +101,17 @@ class PathShells {
   explicit PathShells(const ReferenceAir& air);
 
   [[nodiscard]] std::size_t count() const noexcept { return densest_.size(); }
-  /// r^2 - R^2 of the lower bound of shell `i`, and of the top for i = count().
+  /// Returns r^2 - R^2 of the lower bound of shell `i`, or of the top for i = count().
   [[nodiscard]] double square(std::size_t i) const noexcept { return squares_[i]; }
-  /// The shell that r^2 - R^2 lies in.
+  /// Returns the shell that contains r^2 - R^2.
   [[nodiscard]] std::size_t find(double square) const noexcept;
-  /// Densities of all matter at a point of shell `i`.
+  /// Computes the densities of all matter at a point of shell `i`.
   void densities(std::size_t i, double square, Columns& values) const noexcept;
 
-  /// Metres at density 1 of each matter along a part of a ray within shell `i`: Gauss's rule of five points; the
-  /// extinction changes by a factor of two at most, so that an optical depth's relative error is below 1e-6.
+  /// Returns metres at density 1 of each matter along a part of a ray within shell `i`, by Gauss's rule of five points.
+  /// The extinction changes by a factor of two at most, so that an optical depth's relative error is below 1e-6.
   [[nodiscard]] Columns columns(const AirRay& ray, std::size_t i, double from, double to) const noexcept;
-  /// The same along a whole ray.
+  /// Returns metres at density 1 of each matter along a whole ray.
   [[nodiscard]] Columns columns(const AirRay& ray) const noexcept;
 
  private:
@@ -123,7 +123,7 @@ class PathShells {
   const ReferenceAir& air_;
   std::vector<double> bounds_;
   std::vector<double> squares_;
-  std::vector<double> densest_;  ///< no extinction in a shell is above its own, 1/m
+  std::vector<double> densest_;  ///< upper bound of each shell's extinction, 1/m
   std::vector<std::array<const DensityLayer*, ReferenceAir::kMaxConstituents>> layers_;
 };
 
@@ -138,7 +138,7 @@ class ShellWalk {
 
   [[nodiscard]] std::size_t shell() const noexcept { return shell_; }
   [[nodiscard]] double end() const noexcept { return end_; }
-  /// The last shell of the ray.
+  /// Returns whether this is the ray's last shell.
   [[nodiscard]] bool last() const noexcept { return falling_ ? shell_ == 0 : shell_ + 1 == shells_.count(); }
 
   void next() noexcept {

@@ -21,12 +21,12 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A rectangle of the domain on which an image lives: (u, v) of a cubemap face, or longitude and latitude.
+/// A rectangle of an image's domain: (u, v) of a cubemap face, or longitude and latitude.
 struct Rectangle {
   double x0, x1, y0, y1;
 };
 
-/// A point of the domain as a direction, and the solid angle that an area element has there.
+/// A point of the domain as a direction, and the solid angle per area there.
 struct DomainPoint {
   glm::dvec3 direction;
   double density;
@@ -34,7 +34,7 @@ struct DomainPoint {
 
 using Domain = std::function<DomainPoint(double x, double y)>;
 
-/// Pixels in double after the policies, width x height, row 0 on top, and where texels lie in the domain.
+/// Sanitized pixels in double, width x height with row 0 at the top, and their extent in the domain.
 struct Image {
   int width;
   int height;
@@ -48,14 +48,14 @@ struct Image {
   }
 };
 
-/// How a texel is integrated along each edge: equal panels of it, each by a Gauss rule.
+/// Integration rule along each edge of a texel: equal panels, with a Gauss rule on each.
 struct TexelRule {
   int order;
   int panels;
 };
 
-/// Integrates a harmonic over a texel to double precision, `texels` of which make an edge of a face, or go round the
-/// sphere: a lone one sees all 15 waves of the highest band, more than one rule follows.
+/// Returns a rule that integrates a harmonic over a texel to double precision, with `texels` along a face's edge or
+/// around the sphere. A lone texel spans all 15 waves of the highest band, more than one Gauss rule follows.
 TexelRule texel_rule(int texels) {
   if (texels < 2) return {28, 2};
   return {texels < 4 ? 28 : texels < 16 ? 12 : texels < 64 ? 6 : 4, 1};
@@ -63,7 +63,7 @@ TexelRule texel_rule(int texels) {
 
 using AddPoint = std::function<void(const glm::dvec3& direction, double solid_angle)>;
 
-/// Int f over the rectangle, each point weighted with its solid angle; f adds to what it keeps.
+/// Calls `f`, which accumulates, with the points of a rule over the rectangle and their solid angles.
 void integrate_panel(const Domain& domain, const Rectangle& r, int order, const AddPoint& f) {
   const math::GaussRule rule = math::gauss_legendre(order);
   const double half_x = 0.5 * (r.x1 - r.x0);

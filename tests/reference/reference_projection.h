@@ -1,4 +1,4 @@
-// The truth that projections are measured against: textbook formulas in double.
+// The reference for projections: textbook formulas in double.
 #pragma once
 
 #include "welkin/image.h"
@@ -7,8 +7,8 @@
 
 namespace welkin {
 
-/// What `project` computes, by its readable double-precision twin: one texel after the other, no shared tables, one
-/// thread, hundreds of times slower. Throws `Error` as `project` does.
+/// Returns what `project` computes, by readable code in double: texel by texel, without shared tables, on one thread,
+/// and hundreds of times slower. Throws `Error` as `project` does.
 [[nodiscard]] SphericalHarmonics reference_projection(const CubemapView& cubemap,
                                                       const ProjectionOptions& options = {});
 [[nodiscard]] SphericalHarmonics reference_projection(const LatLongView& lat_long,

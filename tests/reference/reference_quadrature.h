@@ -1,4 +1,4 @@
-// Integrals of several functions at once, refined where they need it until all of them are as exact as was asked.
+// Adaptive integrals of several functions at once, refined until all of them meet a relative error.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace welkin::sky {
 
-/// Up to `Most` integrals that share their places: Gauss-Kronrod of 7 and 15 points, the worst piece halved first
+/// Up to `Most` integrals that share their nodes: Gauss-Kronrod of 7 and 15 points. The worst piece is halved first
 /// (QUADPACK; Piessens et al. 1983).
 template <std::size_t Most>
 class ReferenceQuadrature {
@@ -19,8 +19,8 @@ class ReferenceQuadrature {
 
   ReferenceQuadrature(std::size_t functions, double relative_error) : n_(functions), tolerance_(relative_error) {}
 
-  /// Over [ends.front(), ends.back()], to begin with in the pieces that `ends` (rising) cut: they should lie where the
-  /// functions bend, so that each piece is smooth. `function(place, values)` sets the first values.
+  /// Integrates over [ends.front(), ends.back()], at first in the pieces between `ends`, which rise and should lie
+  /// where the functions bend, so that each piece is smooth. `function(position, values)` sets the first values.
   template <class Function>
   Values operator()(std::span<const double> ends, const Function& function) {
     pieces_.clear();
@@ -56,7 +56,7 @@ class ReferenceQuadrature {
     for (std::size_t k = 0; k < n_; ++k) sum[k] += part[k];
   }
 
-  /// The one with the largest share of what may be wrong; none if all integrals are exact enough.
+  /// Returns the piece with the largest share of an error, or the number of pieces if all integrals are exact enough.
   std::size_t worst_piece() const {
     Values total{};
     Values error{};
@@ -82,7 +82,7 @@ class ReferenceQuadrature {
 
   template <class Function>
   Piece piece(double low, double high, const Function& function) const {
-    constexpr std::array<double, 8> place{
+    constexpr std::array<double, 8> nodes{
         0.991455371120812639207, 0.949107912342758524526, 0.864864423359769072790, 0.741531185599394439864,
         0.586087235467691130294, 0.405845151377397166907, 0.207784955007898467601, 0.0};
     constexpr std::array<double, 8> kronrod{0.022935322010529224964, 0.063092092629978553291, 0.104790010322250183840,
@@ -97,7 +97,7 @@ class ReferenceQuadrature {
     Values coarse{};
     for (std::size_t i = 0; i < 15; ++i) {
       const std::size_t j = i < 8 ? i : 14 - i;
-      function(centre + (i < 8 ? -place[j] : place[j]) * half, values[i]);
+      function(centre + (i < 8 ? -nodes[j] : nodes[j]) * half, values[i]);
       for (std::size_t k = 0; k < n_; ++k) {
         fine[k] += kronrod[j] * values[i][k];
         if (j % 2 == 1) coarse[k] += gauss[j / 2] * values[i][k];
@@ -117,7 +117,7 @@ class ReferenceQuadrature {
     return result;
   }
 
-  /// QUADPACK's: the difference of the rules is the coarse one's error; the fine one's is about its power 3/2.
+  /// QUADPACK's estimate: the rules' difference is the coarse one's error; the fine one's is about its power 3/2.
   static double likely_error(double difference, double spread) {
     if (!(spread > 0.0) || difference == 0.0) return difference;
     const double ratio = 200.0 * difference / spread;

@@ -29,25 +29,25 @@ constexpr std::size_t kMaxWavelengths = 16;
 using Spectrum = std::array<double, kMaxWavelengths>;
 
 constexpr double kLongestPiece = 25e3;  ///< metres
-constexpr double kMinShare = 1e-4;      ///< of what scatters, where the sun seems not to reach
-constexpr double kEven = 1e-3;          ///< less counts as none
-constexpr double kSteepest = 8.0;       ///< of a fall's logarithm along a piece
+constexpr double kMinShare = 1e-4;      ///< share that counts as sunlit where the guess is dark
+constexpr double kEven = 1e-3;          ///< a smaller fall counts as none
+constexpr double kSteepest = 8.0;       ///< maximum of a fall's logarithm along a piece
 constexpr int kGuessHeights = 64;
 constexpr int kGuessSuns = 128;
 constexpr double kLowSun = 0.1;      ///< sine of an elevation below which directions are drawn towards the sun
-constexpr double kNarrow = 0.85;     ///< asymmetry of a lobe above which they are so by day too
-constexpr double kTowardsSun = 0.5;  ///< share of them
-/// The same of a narrow lobe: every turn that is not drawn towards the sun makes a path count 1 / (1 - share) times as
-/// much, and light that comes low through haze has been turned many times.
+constexpr double kNarrow = 0.85;     ///< asymmetry of a lobe above which they are so by day, too
+constexpr double kTowardsSun = 0.5;  ///< share of directions drawn so
+/// That share for a narrow lobe: every scattering that is not drawn towards the sun multiplies a path's weight by
+/// 1 / (1 - share), and light that comes low through haze has been scattered many times.
 constexpr double kTowardsNarrow = 0.25;
-constexpr double kLittle = 0.02;  ///< of a path's first weight, below which most paths end
-/// The same of a narrow lobe: a path that was turned towards the sun weighs little, and yet all its light is to come.
+constexpr double kLittle = 0.02;  ///< fraction of a path's first weight below which most paths end
+/// That fraction for a narrow lobe: a path drawn towards the sun has little weight, and yet all its light is to come.
 constexpr double kLittleNarrow = 3e-4;
-constexpr double kSunsetAsymmetry = 0.7;  ///< of their lobe about the horizon below the sun
-constexpr double kDeepSun = -0.1;  ///< sine of an elevation below which places are drawn by how much light is there
-constexpr double kDeepAsymmetry = 0.85;  ///< of the lobe about the horizon then
-constexpr double kFullNight = -0.35;     ///< likewise, below which they are not any more
-constexpr double kDusk = 46.0;           ///< of the logarithm of light, a radian of the sun's depth: 0.8 a degree
+constexpr double kSunsetAsymmetry = 0.7;  ///< of the lobe of directions about the horizon below the sun
+constexpr double kDeepSun = -0.1;         ///< sine of an elevation below which positions are drawn by the light there
+constexpr double kDeepAsymmetry = 0.85;   ///< of the lobe about the horizon then
+constexpr double kFullNight = -0.35;      ///< sine of an elevation below which they no longer are
+constexpr double kDusk = 46.0;            ///< slope of the logarithm of light per radian of sun depth: 0.8 per degree
 
 /// A point and a direction in the air.
 struct PathPoint {
@@ -56,15 +56,15 @@ struct PathPoint {
   dvec3 direction;
 };
 
-/// A ray cut into pieces, with how likely each is drawn.
+/// A piece of a ray, with how likely it is to be drawn.
 struct Piece {
   std::size_t shell;
   double from;
   double to;
-  double scatters;                  ///< estimate of what it scatters to the ray's start, mean of the wavelengths
-  double lit;                       ///< likewise, of sunlight
-  double dusk;                      ///< how much more light there is there than where the path began, at night
-  double fall;                      ///< how fast what it scatters to the start falls along it: of its logarithm, 1/m
+  double scatters;                  ///< estimate of what it scatters to the ray's start, sum over the wavelengths
+  double lit;                       ///< the sunlit part of that
+  double dusk;                      ///< relative amount of light there, at night
+  double fall;                      ///< rate at which the logarithm of what it scatters to the start falls, 1/m
   sky::PathShells::Columns before;  ///< matter between the ray's start and `from`
 };
 
@@ -95,7 +95,7 @@ class MonteCarlo {
     std::vector<Piece> pieces;
   };
 
-  /// Light of all orders asked for that arrives from a direction, times `weight`.
+  /// Adds the light of the requested orders that arrives from a direction, times `weight`, to `radiance`.
   void trace(PathPoint point, double weight, PathRandom& random, Scratch& scratch, Spectrum& radiance) const {
     Spectrum weights;
     weights.fill(weight);
@@ -113,7 +113,7 @@ class MonteCarlo {
     }
   }
 
-  /// A direction drawn on the upper hemisphere of level ground by its cosine or towards the sun: cosine over density.
+  /// Draws a direction above level ground by its cosine or towards the sun. Returns its cosine over its density.
   double draw_from_sky(dvec3& direction, PathRandom& random) const {
     return draw_upwards({0.0, 1.0, 0.0}, direction, random) * pi;
   }
@@ -141,7 +141,7 @@ class MonteCarlo {
     return air_.visible_share(air_.sun_elevation(point.square, slope));
   }
 
-  /// Sunlight at a place, zero where the sun is down.
+  /// Computes the sunlight at a point: zero where the sun is down.
   void sunlight(const PathPoint& point, Spectrum& light) const {
     light.fill(0.0);
     const double share = sun_share(point);
@@ -153,8 +153,8 @@ class MonteCarlo {
     }
   }
 
-  // How much sunlight reaches a place, roughly: what pieces are drawn by, and nothing else, so that no error of it is
-  // in any estimate.
+  // Guesses how much sunlight reaches a point. The guess is used to draw pieces and for nothing else, so that its error
+  // is in no estimate.
 
   void guess_sunlight() {
     for (int h = 0; h < kGuessHeights; ++h) {
@@ -186,7 +186,7 @@ class MonteCarlo {
     return share * guess_[h * kGuessSuns + k];
   }
 
-  /// Light that has been scattered grows like this towards where the sun has set less deep: a guess likewise.
+  /// Guesses how scattered light grows towards where the sun has set less deep.
   [[nodiscard]] double dusk(const PathPoint& point) const {
     const double elevation = std::asin(std::clamp(glm::dot(point.up, sun_), kFullNight, kDeepSun));
     return math::exponential(kDusk * (elevation - std::asin(kDeepSun)));
@@ -243,7 +243,7 @@ class MonteCarlo {
     pieces.push_back(piece);
   }
 
-  /// A piece drawn by its share, and the chance that it was.
+  /// Draws a piece by its share. `chance` is the probability of that.
   template <class Share>
   static const Piece* draw_piece(const std::vector<Piece>& pieces, const Share& share, PathRandom& random,
                                  double& chance) {
@@ -262,8 +262,8 @@ class MonteCarlo {
     return drawn;
   }
 
-  /// A place of a piece, drawn as what it scatters falls along it; `chance` is multiplied by the density, 1/m.
-  static double draw_place(const Piece& piece, PathRandom& random, double& chance) {
+  /// Draws a position in a piece as its scattering falls along it; `chance` is multiplied by the density, 1/m.
+  static double draw_position(const Piece& piece, PathRandom& random, double& chance) {
     const double length = piece.to - piece.from;
     const double fall = piece.fall * length;
     const double number = random.number();
@@ -277,7 +277,7 @@ class MonteCarlo {
     return piece.from + std::clamp(-math::logarithm(left) / piece.fall, 0.0, length);
   }
 
-  /// Transmittance to a place of a piece, and the densities there.
+  /// Computes the transmittance to a position in a piece, and the densities there.
   void reach(const AirRay& ray, const Piece& piece, double s, Spectrum& through, PathShells::Columns& densities) const {
     PathShells::Columns columns = shells_.columns(ray, piece.shell, piece.from, s);
     for (std::size_t k = 0; k < air_.matter().size(); ++k) columns[k] += piece.before[k];
@@ -293,7 +293,7 @@ class MonteCarlo {
     double chance = 0.0;
     if (const Piece* const piece = draw_piece(
             pieces, [](const Piece& p) { return p.lit; }, random, chance)) {
-      const double s = draw_place(*piece, random, chance);
+      const double s = draw_position(*piece, random, chance);
       sunlight(moved(point, ray, s), light);
       Spectrum through;
       PathShells::Columns densities{};
@@ -326,7 +326,7 @@ class MonteCarlo {
     return through;
   }
 
-  /// To where light of the next order comes from, and a direction to look for it; false if there is none.
+  /// Moves to where light of the next order comes from and draws a direction; returns false if there is none.
   bool go_on(const AirRay& ray, PathPoint& point, Spectrum& weights, PathRandom& random,
              const std::vector<Piece>& pieces) const {
     double air = 0.0;
@@ -352,7 +352,7 @@ class MonteCarlo {
     const Piece* const piece = draw_piece(
         pieces, [](const Piece& p) { return p.scatters * p.dusk; }, random, chance);
     if (piece == nullptr) return false;
-    const double s = draw_place(*piece, random, chance);
+    const double s = draw_position(*piece, random, chance);
     PathShells::Columns densities{};
     reach(ray, *piece, s, through, densities);
     point = moved(point, ray, s);
@@ -360,7 +360,7 @@ class MonteCarlo {
     return scatter(densities, through, chance, point, weights, random);
   }
 
-  /// The cosine over pi times the density of a direction that is drawn by the cosine or towards the sun.
+  /// Draws a direction by the cosine or towards the sun. Returns its cosine / (pi density), or 0 if it points down.
   double draw_upwards(const dvec3& up, dvec3& direction, PathRandom& random) const {
     const bool low = sunset_ != dvec3(0.0);
     const bool towards = low && random.number() < towards_sun_;
@@ -374,7 +374,7 @@ class MonteCarlo {
     return cosine / pi / density;
   }
 
-  /// A new direction, drawn by the phase functions or towards the sun.
+  /// Draws a new direction by the phase functions or towards the sun.
   bool scatter(const PathShells::Columns& densities, const Spectrum& through, double chance, PathPoint& point,
                Spectrum& weights, PathRandom& random) const {
     std::array<double, ReferenceAir::kMaxConstituents> shares{};
@@ -431,15 +431,15 @@ class MonteCarlo {
   double sunset_asymmetry_ = kSunsetAsymmetry;
   double towards_sun_ = kTowardsSun;
   double little_ = kLittle;
-  bool narrow_ = false;  ///< by day: places are drawn by how what scatters falls along a piece, too
+  bool narrow_ = false;  ///< by day: positions are also drawn by how the scattering falls along a piece
   PathTracingOptions options_;
   std::vector<std::size_t> scatterers_;
   std::vector<double> guess_;
 };
 
-constexpr std::size_t kParts = 128;  ///< of the paths: errors are told from how they differ
+constexpr std::size_t kParts = 128;  ///< of the paths, whose differences give the standard errors
 
-/// `start(random, weight)` is a path's first place.
+/// `start(random, weight)` returns a path's first point.
 template <class Start>
 TracedLight run(const MonteCarlo& tracer, std::size_t wavelengths, const PathTracingOptions& options,
                 const Start& start) {

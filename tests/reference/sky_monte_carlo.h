@@ -1,5 +1,5 @@
-// The truth for scattered light of any order from one direction, or on the ground, also where the sun is down: a
-// backward Monte Carlo in spherical shells that looks for the sun along whole rays, with its noise.
+// The reference for scattered light of any order from one direction, or on the ground, also where the sun is down: a
+// backward Monte Carlo in spherical shells that samples the sun along whole rays. Its results are noisy.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,17 @@ struct TracedLight {
   std::vector<double> standard_error;
 };
 
-/// Radiance that arrives at `altitude_m` (0 to the top) from a unit direction, of the orders that `options` asks for,
-/// in W/m2/sr/nm: 3 to 16 wavelengths. Unbiased (but for optical depths by quadrature, 1e-6 of them) and independent of
-/// every table; the same bits on any number of threads. Each ray of a path gives the sun one chance at a place drawn by
-/// where air scatters that the sun reaches, and goes on from another drawn by where air scatters; under a low sun half
-/// of the directions are drawn towards it. Some 10 microseconds an order and path, on one core; 100 000 paths of orders
-/// two to four give the Earth's zenith to 0.4 % at noon and 1 % at -6 degrees.
+/// Returns the radiance, of the orders in `options`, that arrives at `altitude_m` (0 to the top) from a unit direction:
+/// W/m2/sr/nm for 3 to 16 wavelengths. Unbiased (but for a relative error of 1e-6 of optical depths), independent of
+/// every table, and bit-identical on any number of threads. Each ray of a path samples the sun at one point, drawn by
+/// the scattering of sunlit air, and continues from another, drawn by the scattering of all air. Under a low sun half
+/// of the directions are drawn towards it. Takes about 10 microseconds per order and path on one core; 100 000 paths of
+/// orders two to four give the Earth's zenith to 0.4 % at noon and 1 % at -6 degrees.
 [[nodiscard]] TracedLight trace_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                              const glm::dvec3& direction, const glm::dvec3& sun,
                                              const PathTracingOptions& options = {});
 
-/// Irradiance on a horizontal surface facing up, likewise, in W/m2/nm.
+/// Returns the irradiance of those orders on a horizontal surface that faces up, in W/m2/nm.
 [[nodiscard]] TracedLight trace_sky_irradiance(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
                                                const PathTracingOptions& options = {});
 

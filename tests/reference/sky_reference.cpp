@@ -19,7 +19,7 @@ namespace {
 
 using sky::AirRay;
 using sky::ReferenceAir;
-using Radiances = sky::ReferenceQuadrature<96>;  // as many wavelengths as there may be
+using Radiances = sky::ReferenceQuadrature<96>;  // the maximum number of wavelengths
 
 constexpr double kDepthError = 1e-10;
 
@@ -48,7 +48,7 @@ class SingleScattering {
     return integral(ends_, [this](double s, Radiances::Values& values) { source(s, values); });
   }
 
-  /// Sunlight on the ground at the ray's end, scattered by it.
+  /// Adds sunlight that the ground at the ray's end scatters.
   void add_ground(Radiances::Values& radiance) const {
     const double slope = sun_slope_ + ray_.length * sun_cosine_;
     const double cosine = slope / air_.radius();
@@ -71,7 +71,7 @@ class SingleScattering {
     sort();
   }
 
-  /// Dense air is seen no farther than some free paths: pieces that shrink towards the eye, until they are clear.
+  /// Adds pieces that shrink towards the eye until they are clear: dense air is seen no farther than a few free paths.
   void cut_at_extinction() {
     double densest = 0.0;
     for (const ReferenceAir::Matter& matter : air_.matter()) {
@@ -95,7 +95,7 @@ class SingleScattering {
     return sum;
   }
 
-  /// Sunlight scattered towards the eye at a place, per metre, as much of it as arrives.
+  /// Computes the sunlight scattered towards the eye at a position, per metre, as much of it as arrives.
   void source(double s, Radiances::Values& values) const {
     const double square = ray_.square + s * (2.0 * ray_.slope + s);
     const double slope = sun_slope_ + s * sun_cosine_;
@@ -136,7 +136,7 @@ double horizontal(const glm::dvec3& direction) {
   return std::sqrt(direction.x * direction.x + direction.z * direction.z);
 }
 
-/// Horizontal, towards the sun; towards +z for one in the zenith or nadir.
+/// Returns the horizontal direction towards the sun, or +z for a sun in the zenith or nadir.
 glm::dvec3 ahead_of(const glm::dvec3& sun) {
   const double length = horizontal(sun);
   return length > 0.0 ? glm::dvec3(sun.x / length, 0.0, sun.z / length) : glm::dvec3(0.0, 0.0, 1.0);
@@ -193,7 +193,7 @@ std::vector<double> reference_sun_irradiance(const Atmosphere& atmosphere, doubl
 
 SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
                                            const ReferenceHarmonicsOptions& options) {
-  const SkyHarmonicsOptions places{options.bands, SkyQuadrature::gauss_split, options.zeniths, options.azimuths};
+  const SkyHarmonicsOptions nodes{options.bands, SkyQuadrature::gauss_split, options.zeniths, options.azimuths};
   const double radius = atmosphere.bottom_radius_m;
   const double horizon = sky::horizon_cosine(radius, altitude_m);
   // From space the highest ring that has any light is the air's upper edge.
@@ -203,7 +203,7 @@ SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double 
   for (const double g : atmosphere.aerosol_asymmetries) {
     if (std::abs(g) > std::abs(sharpest)) sharpest = g;
   }
-  const sky::SkyRule rule = sky::sky_rule(places, horizon, top, sharpest);
+  const sky::SkyRule rule = sky::sky_rule(nodes, horizon, top, sharpest);
   const std::size_t above_horizon = rule.above.cosines.size();
   const glm::dvec3 ahead = ahead_of(sun);
   const glm::dvec3 aside(ahead.z, 0.0, -ahead.x);

@@ -1,5 +1,5 @@
-// The truth that fast skies are measured against: slow, in double, by other routes than the tables. The model is that
-// of all skies, as welkin/sky.h states it; light scattered more than once is in sky_monte_carlo.h.
+// The reference for fast skies: slow, in double, by other routes than the tables. The model is that of all skies, as
+// welkin/sky.h states it; sky_monte_carlo.h covers light that is scattered more than once.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,22 +10,22 @@
 
 namespace WELKIN_EXPORT welkin {
 
-/// Transmittance at each of the wavelengths from an altitude along a direction whose cosine with the zenith is
-/// `zenith_cosine`, to the top of the atmosphere; 0 if the ground is in the way. Relative error of the optical
-/// depth below 1e-9. `altitude_m` is 0 to 1e9 (above the top: space).
+/// Returns the transmittance at each wavelength from an altitude along a direction whose cosine with the zenith is
+/// `zenith_cosine`, to the top of the atmosphere; 0 if the ground is in the way. The optical depth's relative error is
+/// below 1e-9. `altitude_m` is 0 to 1e9 (above the top: space).
 [[nodiscard]] std::vector<double> reference_transmittance(const Atmosphere& atmosphere, double altitude_m,
                                                           double zenith_cosine);
 
 struct ReferenceSkyOptions {
-  /// Of the integral along the ray, 1e-10 to 1e-1. Its pieces are halved until it is met or 4000 have been, which no
-  /// atmosphere in the tests comes near to.
+  /// Relative error of the integral along the ray, 1e-10 to 1e-1. Pieces are halved until it is met, or 4000 times at
+  /// most, which no atmosphere in the tests comes near.
   double relative_error = 1e-6;
-  bool ground = true;  ///< light of the ground where a ray ends there: direct sun only
+  bool ground = true;  ///< whether to add the ground's light where a ray ends there: direct sun only
 };
 
-/// Singly scattered sunlight that arrives from `direction` at `altitude_m` (0 to 1e9, space included), at each of the
-/// wavelengths: W/m2/sr/nm. The sun's disc is left out. `direction` and `sun` (towards it) are unit vectors within
-/// 1e-6. Some 0.1 to 1 ms for the Earth.
+/// Returns the singly scattered sunlight that arrives from `direction` at `altitude_m` (0 to 1e9, space included), at
+/// each wavelength, without the sun's disc: W/m2/sr/nm. `direction` and `sun` (towards it) are unit vectors within
+/// 1e-6. Takes 0.1 to 1 ms for the Earth.
 [[nodiscard]] std::vector<double> reference_sky_radiance(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& direction, const glm::dvec3& sun,
                                                          const ReferenceSkyOptions& options = {});
@@ -37,16 +37,16 @@ struct ReferenceHarmonicsOptions {
   ReferenceSkyOptions radiance{};
 };
 
-/// Radiance coefficients of singly scattered sunlight, without the sun's disc: `reference_sky_radiance` integrated ring
-/// by ring with the places and weights of `SkyQuadrature::gauss_split`, nothing taken out. What tables and projectors
-/// are measured against. Of the Earth's nine at the default setting 1e-5 by day, 1e-4 in twilight (against twice as
-/// many places). Cost: 2 zeniths azimuths radiances, in the caller's arena. The same bits on any number of threads. Of
-/// three wavelengths.
+/// Returns radiance coefficients of singly scattered sunlight at three wavelengths, without the sun's disc: the
+/// reference for tables and projectors. Integrates `reference_sky_radiance` ring by ring with the nodes and weights of
+/// `SkyQuadrature::gauss_split`, nothing subtracted. Error of the Earth's nine at the default setting (against twice as
+/// many nodes): 1e-5 by day, 1e-4 in twilight. Costs 2 zeniths azimuths radiances, in the caller's arena. Bit-identical
+/// on any number of threads.
 [[nodiscard]] SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m,
                                                          const glm::dvec3& sun,
                                                          const ReferenceHarmonicsOptions& options = {});
 
-/// Irradiance of the direct sun on a surface that faces it, at each of the wavelengths: W/m2/nm.
+/// Returns the irradiance of the direct sun on a surface that faces it, at each wavelength: W/m2/nm.
 [[nodiscard]] std::vector<double> reference_sun_irradiance(const Atmosphere& atmosphere, double altitude_m,
                                                            const glm::dvec3& sun);
 

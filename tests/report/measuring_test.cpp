@@ -12,7 +12,7 @@
 using namespace welkin;
 using namespace welkin::report;
 
-// What measurements are made with: norms, probes, lights, formats, the stopwatch, other programs.
+// Parts of measurements: norms, probes, lights, formats, the stopwatch, other programs.
 
 TEST_CASE("report: errors at probes are by solid angle, the largest by its own truth", "[report]") {
   Cubemap chain(1, 1);
@@ -149,7 +149,7 @@ void check_errors(const std::vector<Measurement>& recorded, const std::vector<Me
   }
 }
 
-/// What was recommended still meets its target, and nothing has overtaken it.
+/// Checks that recommended settings still meet their targets and lie on the Pareto front.
 void check_recommendations(const std::vector<Measurement>& recorded, const std::vector<Measurement>& today) {
   const std::vector<std::size_t> front = pareto_front(today);
   for (const double target : kErrorTargets) {

@@ -278,7 +278,7 @@ TEST_CASE("report: the page needs nothing else", "[report]") {
   }
   CHECK(has(page, "@media print"));
   CHECK(has(page, "function plotSvg("));
-  for (const char* place : {"REPORT", "PLOT"}) CHECK_FALSE(has(page, place));
+  for (const char* placeholder : {"REPORT", "PLOT"}) CHECK_FALSE(has(page, placeholder));
 }
 
 TEST_CASE("report: the page has the report's JSON, in which nothing ends the script", "[report]") {

@@ -1,4 +1,4 @@
-// Promise: bakes, whole, planned, from files, from the cache and in a worker, have the bits of before
+// Promise: bakes, whole, planned, from files, from the cache and in a worker, are bit-identical to those on record
 // (see projections_test.cpp).
 #include "support/catch.h"
 #include "support/chains.h"
@@ -18,7 +18,7 @@
 namespace welkin::test {
 namespace {
 
-/// Small and quick, with every pass.
+/// Returns options of a small, quick bake with every pass.
 BakeOptions small_bake(int size = 16) {
   BakeOptions options{.specular = PrefilterOptions{.size = size, .roughness = {0.0, 0.2, 0.5, 1.0}}};
   options.irradiance->size = 5;
@@ -88,8 +88,8 @@ std::uint64_t bits_of_plan(const StoredEnvironment& stored, const SceneNeeds& ne
   return bits_of(bake(stored, plan(stored, needs, small_bake())));
 }
 
-/// The bits that `call(cache)` computes. It throws if the same call then finds other bits in memory or on disk, or does
-/// not find them there.
+/// Returns the bits that `call(cache)` computes. Throws if the same call then finds other bits in memory or on disk, or
+/// does not find them there.
 template <class Call>
 std::function<std::uint64_t()> computed_and_found(Call call) {
   return [call] {

@@ -1,8 +1,8 @@
-// Promise: files that are written have the bytes of before, and what is read from them the bits
+// Promise: written files, and what is read from them, are bit-identical to those on record
 // (see projections_test.cpp).
 //
-// Bytes that zlib or Zstandard packed are those of its version: they are on record in a group with that version's name,
-// and not compared where it is another one. What is unpacked from them is compared everywhere.
+// Bytes that zlib or Zstandard packed depend on its version: they are on record in a group with that version's name and
+// are not compared under another version. Unpacked data is compared everywhere.
 #include "support/catch.h"
 #include "support/chains.h"
 #include "support/process_threads.h"
@@ -15,8 +15,8 @@
 namespace welkin::test {
 namespace {
 
-/// What `const char* function()` of a shared library that this program has loaded says of its version; none if there
-/// is no such function to be found.
+/// Returns the version that `const char* function()` of a loaded shared library states, or nullopt if there is no such
+/// function.
 std::optional<std::string> library_version(const char* function) {
   void* const symbol = loaded_function(function);
   if (symbol == nullptr) return std::nullopt;
@@ -42,7 +42,7 @@ void require_packed_as_recorded(const char* library, const char* version_functio
   require_as_recorded(group, results);
 }
 
-/// A file that `write(path)` wrote, as its bytes.
+/// Returns the bytes of the file that `write(path)` writes.
 template <class Write>
 std::vector<char> bytes_of(const char* file_name, const Write& write) {
   const TemporaryDirectory folder;
@@ -51,7 +51,7 @@ std::vector<char> bytes_of(const char* file_name, const Write& write) {
   return read_bytes(path);
 }
 
-/// A file that `write(path)` wrote, as `read(path)` reads it.
+/// Returns what `read(path)` reads from the file that `write(path)` writes.
 template <class Write, class Read>
 auto read_back(const char* file_name, const Write& write, const Read& read) {
   const TemporaryDirectory folder;

@@ -1,4 +1,4 @@
-// Promise: resampled, prefiltered and tabulated images have the bits of before (see projections_test.cpp).
+// Promise: resampled, prefiltered and tabulated images are bit-identical to those on record (see projections_test.cpp).
 #include "reflections/prefilter.h"
 #include "support/catch.h"
 #include "support/recorded_results.h"
@@ -14,7 +14,7 @@ namespace {
 /// One of a cube's 48 symmetries, with a mirror in it.
 const glm::dmat3 kSymmetry(0, 0, 1, 0, -1, 0, 1, 0, 0);
 
-/// By none of a cube's symmetries. A rational rotation: exact up to the division.
+/// A rotation that is none of a cube's symmetries. It is rational: exact up to the division.
 glm::dmat3 crooked_turn() { return glm::dmat3(2, -1, 2, 2, 2, -1, -1, 2, 2) / 3.0; }
 
 PrefilterOptions prefilter(PrefilterMethod method, int size, const std::vector<double>& roughness) {
@@ -33,13 +33,13 @@ PrefilterOptions bounded(double rms, double maximum) {
   return options;
 }
 
-/// Prefilters an image that lives as long.
+/// Returns a function that prefilters an image, which must outlive it.
 template <class Image>
 auto prefiltered(const Image& image, const PrefilterOptions& options) {
   return [&image, options] { return prefilter_specular(image.view(), options); };
 }
 
-/// Some mips at the ends are not made, as where a cache holds them.
+/// Some mips at the ends are left out, as where a cache holds them.
 PrefilteredSpecular prefiltered_without(const EnvironmentView& view, const PrefilterOptions& options, int sharp,
                                         int rough) {
   return reflections::prefilter(view, reflections::plan_prefilter(options).without(sharp, rough), options.pixels, {},
@@ -186,7 +186,7 @@ TEST_CASE("Roughness schedules are the same as before", "[same_as_before]") {
   require_as_recorded("roughness", results);
 }
 
-// Tables are kept by the process, so that a second request would compare a table with itself: each is asked for once.
+// The process keeps tables, so that a second request would compare a table with itself: each is requested once.
 TEST_CASE("BRDF tables are the same as before", "[same_as_before]") {
   std::vector<NamedResult> results;
   for (const auto& [model_name, model] : {std::pair{"split_sum", BrdfModel::split_sum},

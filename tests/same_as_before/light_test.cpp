@@ -1,4 +1,4 @@
-// Promise: what is done with harmonics, irradiance, suns and content hashes has the bits of before
+// Promise: results for harmonics, irradiance, suns and content hashes are bit-identical to those on record
 // (see projections_test.cpp).
 #include "cache/recipe.h"
 #include "support/catch.h"

@@ -1,9 +1,9 @@
-// Promise: projections have the bits that they had before the house was rebuilt. The other results are in the files
-// same_as_before_*.cpp beside this one; all are on record in data/same_as_before.txt. A changed bit is a finding to be
-// explained. Only public headers are included here, so that the tests outlive changes of what is inside.
+// Promise: projections are bit-identical to those on record. The other results are tested by the other files of this
+// folder; all are on record in data/same_as_before.txt. A changed bit is a finding to be explained. Only public headers
+// are included here, so that the tests outlive changes of the internals.
 //
-// Left out are results that are made with libm, and so differ between C libraries: the reference projection, the
-// reference sky and its paths. Left out are words and times, too.
+// Results that use libm, and so differ between C libraries, are left out: the reference projection, the reference sky
+// and its paths. Texts and times are left out, too.
 #include "support/catch.h"
 #include "support/recorded_results.h"
 #include "support/test_environments.h"
@@ -32,7 +32,7 @@ struct NamedOptions {
   ProjectionOptions options;
 };
 
-/// What becomes of unusual values.
+/// Pixel policies, with content that each applies to.
 const std::vector<NamedOptions>& policies() {
   static const std::vector<NamedOptions> all{
       {"replaced", Content::special_values, {}},

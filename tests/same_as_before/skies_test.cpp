@@ -1,4 +1,4 @@
-// Promise: computed skies have the bits of before (see projections_test.cpp).
+// Promise: computed skies are bit-identical to those on record (see projections_test.cpp).
 #include "cache/recipe.h"
 #include "sky/spectrum.h"
 #include "support/catch.h"
@@ -25,7 +25,7 @@ SkyTableOptions folded(int orders) {
   return options;
 }
 
-/// Not like any planet: a small one, with a layered aerosol that also absorbs and scatters backwards, and a point sun.
+/// An unusual planet: small, with a layered aerosol that also absorbs and scatters backwards, and a point sun.
 Atmosphere custom_atmosphere() {
   Atmosphere air;
   air.name = "custom";
@@ -44,7 +44,7 @@ Atmosphere custom_atmosphere() {
   return air;
 }
 
-/// Of four wavelengths, to be folded to colours.
+/// Returns the Earth at four wavelengths, to be folded to colours.
 Atmosphere earth_of_four() { return earth_bruneton({400.0, 500.0, 600.0, 700.0}); }
 
 std::vector<glm::dvec3> suns() {
@@ -208,7 +208,7 @@ TEST_CASE("Harmonics and curves of skies are the same as before", "[same_as_befo
   std::vector<NamedResult> results;
   for (const SkyQuadrature quadrature : {SkyQuadrature::uniform, SkyQuadrature::gauss, SkyQuadrature::gauss_split}) {
     for (const auto& [view_name, view] : {std::pair{"_ground", &ground}, std::pair{"_high", &high}}) {
-      // Its hashes were recorded under its name of then.
+      // Its hashes were recorded under its former name.
       results.emplace_back(
           joined(quadrature == SkyQuadrature::uniform ? "article" : name(quadrature), view_name),
           [view = view, quadrature] { return bits_of_projections(*view, {.quadrature = quadrature}); });

@@ -199,7 +199,7 @@ TEST_CASE("Weighted sums match double precision and each other", "[simd]") {
         CAPTURE(name(set), total, groups);
         platform::AlignedBuffer<double> sums(static_cast<std::size_t>(3 * total * projection::kSumLanes));
         std::fill_n(sums.data(), sums.size(), 0.0);
-        // What is fetched must not matter, wherever it lies.
+        // The addresses to prefetch must not affect the result.
         const char* const anywhere = reinterpret_cast<const char*>(planes.data());
         const projection::FetchAhead ahead{{anywhere, anywhere, nullptr, anywhere}, groups * 4};
         projection::projection_kernels(set).weighted_sums(planes.data(), 4, weights.data(), counts, groups, ahead,
@@ -249,8 +249,8 @@ void require_weights(const image::TexelRun& run, const std::vector<float>& weigh
   for (int index = 0; index < run.bands * run.bands; ++index) {
     for (int k = 0; k < run.count; ++k) {
       const double expected = texel_integral(run, run.first_column + k, index);
-      // Relative to the largest that a harmonic of this band can be there: zero crossings are no excuse to
-      // miss, nor a reason to ask for more than a float has.
+      // Relative to the maximum of this band's harmonics there, so that zero crossings neither excuse an error
+      // nor demand more than a float's precision.
       const double scale = texel_integral({run.size, run.row, 0, 1, 1, false}, run.first_column + k, 0) *
                            std::sqrt(2.0 * std::floor(std::sqrt(static_cast<double>(index))) + 1.0);
       CAPTURE(run.size, run.row, run.first_column + k, index, expected);

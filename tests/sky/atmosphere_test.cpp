@@ -8,7 +8,7 @@
 
 namespace welkin::test {
 
-// Every parameter of an atmosphere is checked, by its name; what the presets and the random ones are passes.
+// Every parameter of an atmosphere is checked, and named if wrong; presets and random atmospheres pass.
 
 namespace {
 
@@ -115,7 +115,7 @@ TEST_CASE("sky: ranges of an atmosphere are kept at both ends", "[sky][air]") {
 
 TEST_CASE("sky: the Earth has Bruneton's constants", "[sky][air]") {
   const Atmosphere air = earth_bruneton();
-  // Of his web demo's shader, which has them folded for 680, 550 and 440 nm (Rayleigh, ozone: 1/km).
+  // From his web demo's shader, which has them folded for 680, 550 and 440 nm (Rayleigh, ozone: 1/km).
   CHECK(air.rayleigh.scattering_per_m[0] == Approx(5.802339e-6).epsilon(1e-6));
   CHECK(air.rayleigh.scattering_per_m[1] == Approx(1.3557762e-5).epsilon(1e-6));
   CHECK(air.rayleigh.scattering_per_m[2] == Approx(3.3100e-5).epsilon(1e-4));
@@ -249,7 +249,7 @@ TEST_CASE("sky: more wavelengths come closer to the whole spectrum", "[sky][air]
     before = error;
   }
   CHECK(before < 1e-3);
-  // A black body of 6500 K is (255, 249, 253) in sRGB bytes (Charity, "What color is a blackbody").
+  // A black body of 6500 K is (255, 249, 253) in sRGB bytes (Charity, `What color is a blackbody`).
   CHECK(truth.r / truth.g == Approx(1.055).margin(0.015));
   CHECK(truth.b / truth.g == Approx(1.04).margin(0.015));
 }

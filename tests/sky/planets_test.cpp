@@ -147,7 +147,7 @@ SkyView ground_view(const Atmosphere& air, int orders) {
 
 const std::vector<double> kElevations{60.0, 20.0, 5.0, 0.0, -4.0};
 
-/// The largest difference of a channel between two views, as a share of what the second sees.
+/// Returns the largest difference of a channel between two views, relative to the second.
 double largest_difference(const SkyView& found, const SkyView& wanted, int channel) {
   double worst = 0.0;
   for (const double elevation : kElevations) {
@@ -197,8 +197,8 @@ TEST_CASE("asymmetries: the same at all wavelengths is the bits of one", "[sky][
   CHECK(std::ranges::equal(found_light.coefficients(), wanted_light.coefficients()));
 }
 
-// Wavelengths share the places where rays are cut and the brightness that they are read by between suns, which leaves
-// 0.2 % on the light of one order, and on that of four what nodes so few leave undetermined.
+// Wavelengths share the positions at which rays are cut and the brightness by which they are interpolated between suns.
+// That costs 0.2 % of the light of one order, and in that of four what so few nodes leave undetermined.
 TEST_CASE("asymmetries: each wavelength has the sky of its own", "[sky][asymmetries][truth]") {
   for (const AerosolPhase phase : {AerosolPhase::henyey_greenstein, AerosolPhase::cornette_shanks}) {
     for (const int orders : {1, 4}) {
@@ -340,9 +340,9 @@ const std::vector<Traced> kTraced{
     {10, 20, 180, 0.001214, 5e-06},   {10, 2, 0, 3.647, 0.014},          {10, 5, 0, 7.071, 0.047},
     {10, 30, 40, 0.01457, 0.00011},   {10, 3, 40, 0.09178, 0.00041}};
 
-TracedLight traced_now(const Traced& place, std::int64_t paths) {
-  const dvec3 sun = sun_direction(place.sun, 0.0);
-  const dvec3 direction = sun_direction(place.up, place.azimuth);
+TracedLight traced_now(const Traced& traced, std::int64_t paths) {
+  const dvec3 sun = sun_direction(traced.sun, 0.0);
+  const dvec3 direction = sun_direction(traced.up, traced.azimuth);
   TracedLight light =
       trace_sky_radiance(sharp_haze(), 0.0, direction, sun, {.lowest_order = 2, .highest_order = 20, .paths = paths});
   light.value[1] += reference_sky_radiance(sharp_haze(), 0.0, direction, sun, {1e-5, true})[1];
@@ -355,10 +355,10 @@ TracedLight traced_now(const Traced& place, std::int64_t paths) {
 TEST_CASE("haze: light of a narrow lobe is that of paths to 5 % in all directions, and its sums to 1.5 %",
           "[sky][haze][truth]") {
   const SkyView view = sky_view_of(sharp_haze(), {.heights = 16, .orders = 24, .convergence_threshold = 1e-3});
-  for (const Traced& place : kTraced) {
-    const double found = view.radiance(sun_direction(place.up, place.azimuth), sun_direction(place.sun, 0.0))[1];
-    CAPTURE(place.sun, place.up, place.azimuth, found / place.radiance, place.standard_error / place.radiance);
-    CHECK(std::abs(found - place.radiance) < 0.05 * place.radiance + 2.0 * place.standard_error);
+  for (const Traced& traced : kTraced) {
+    const double found = view.radiance(sun_direction(traced.up, traced.azimuth), sun_direction(traced.sun, 0.0))[1];
+    CAPTURE(traced.sun, traced.up, traced.azimuth, found / traced.radiance, traced.standard_error / traced.radiance);
+    CHECK(std::abs(found - traced.radiance) < 0.05 * traced.radiance + 2.0 * traced.standard_error);
   }
 
   // Irradiance, to 1 %: `trace_sky_irradiance`, orders 1 to 20, 1.2 million paths.

@@ -26,25 +26,25 @@ TEST_CASE("sky paths: first orders are the quadrature of the single-scattering t
   struct Planet {
     Atmosphere air;
     std::int64_t paths;
-    double noise;   ///< the standard error's bound, as a share of the truth
-    double errors;  ///< standard errors that an estimate may be off by
+    double noise;   ///< bound of the standard error, relative to the reference
+    double errors;  ///< how many standard errors an estimate may be off
   };
-  struct Place {
+  struct View {
     double height;  ///< share of the air's thickness
     double up, sun;
   };
   for (const Planet& planet : {Planet{with_ground_albedo(earth_bruneton(), 0.5), 40'000, 0.02, 3.5},
                                Planet{hazy, 10'000, 0.05, 4.5}, Planet{tiny, 10'000, 0.05, 4.5}}) {
-    for (const Place& place :
-         {Place{0.0, 20.0, 40.0}, Place{0.0, 20.0, 0.0}, Place{0.0, 20.0, -6.0}, Place{0.1, -30.0, 40.0}}) {
-      const double altitude = place.height * (planet.air.top_radius_m - planet.air.bottom_radius_m);
-      const glm::dvec3 sun = sun_direction(place.sun, 0.0);
-      const glm::dvec3 direction = sun_direction(place.up, 30.0);
+    for (const View& view :
+         {View{0.0, 20.0, 40.0}, View{0.0, 20.0, 0.0}, View{0.0, 20.0, -6.0}, View{0.1, -30.0, 40.0}}) {
+      const double altitude = view.height * (planet.air.top_radius_m - planet.air.bottom_radius_m);
+      const glm::dvec3 sun = sun_direction(view.sun, 0.0);
+      const glm::dvec3 direction = sun_direction(view.up, 30.0);
       const TracedLight traced = trace_sky_radiance(planet.air, altitude, direction, sun,
                                                     {.lowest_order = 1, .highest_order = 1, .paths = planet.paths});
       const std::vector<double> truth = reference_sky_radiance(planet.air, altitude, direction, sun, {1e-5, true});
       for (std::size_t c = 0; c < 3; ++c) {
-        CAPTURE(planet.air.bottom_radius_m, place.up, place.sun, c, traced.value[c] / truth[c],
+        CAPTURE(planet.air.bottom_radius_m, view.up, view.sun, c, traced.value[c] / truth[c],
                 traced.standard_error[c] / truth[c]);
         CHECK(traced.standard_error[c] > 0.0);
         CHECK(traced.standard_error[c] < planet.noise * truth[c]);
@@ -75,7 +75,7 @@ TEST_CASE("sky paths: sums over shells are the quadrature's", "[sky][air]") {
   }
 }
 
-// The truth about single scattering is what can be written down, where it can.
+// Single scattering against closed forms, where there are any.
 
 namespace {
 
@@ -149,7 +149,7 @@ TEST_CASE("sky reference: light goes both ways alike", "[sky][air]") {
 }
 
 TEST_CASE("sky reference: optical depths are Chapman's", "[sky][air]") {
-  // Exponential air over a ball of 20 scale heights, thick enough that its end does not count: along the horizon
+  // Exponential air over a sphere of 20 scale heights, thick enough that its end does not count: along the horizon
   // R exp(x) K1(x), x = R / H (Chapman 1931); upwards H.
   Atmosphere air = earth_bruneton();
   air.bottom_radius_m = 1000.0;

@@ -88,8 +88,8 @@ TEST_CASE("More orders never take light away, and each adds less", "[sky][tables
   }
 }
 
-// All that falls on the top, pi r^2, leaves it again: scattered and reflected, over all places of the planet, or having
-// passed by the ground without being scattered. Orders that add less than 1e-4 are estimated.
+// All light that falls on the top, pi r^2, leaves it again: scattered and reflected, over the whole planet, or
+// unscattered past the ground. Orders that add less than 1e-4 are estimated.
 TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[sky][tables][truth]") {
   for (const double depth : {0.1, 0.5}) {
     const Atmosphere air = conservative(depth, 0.6);
@@ -117,8 +117,8 @@ TEST_CASE("Air and ground that absorb nothing send back all sunlight to 1 %", "[
   }
 }
 
-// Narrower than the directions lie apart over which orders are summed: light that an aerosol turns by a degree or two
-// reaches the ground as if there were none, as light that goes straight on is not scattered at all.
+// The lobe is narrower than the spacing of the directions over which orders are summed. Light that an aerosol deflects
+// by a degree or two reaches the ground as if there were none, as light that goes straight on is not scattered at all.
 TEST_CASE("An aerosol that scatters straight on takes nothing away", "[sky][tables][truth]") {
   SkyTableOptions options = small_options(32);
   options.convergence_threshold = 1e-4;
@@ -168,7 +168,7 @@ Atmosphere shell(double radius_m, double depth) {
 
 }  // namespace
 
-// What an aerosol of any lobe scatters in a slab over black ground goes up or arrives below.
+// All light that an aerosol of any lobe scatters in a slab over black ground leaves at the top or arrives below.
 TEST_CASE("A slab that absorbs nothing keeps its light for lobes of any sharpness",
           "[sky][tables][view][haze][truth]") {
   SkyTableOptions options{.heights = 16, .orders = 24, .convergence_threshold = 1e-4};
@@ -230,7 +230,7 @@ bool sound(const std::vector<float>& values) {
   return std::all_of(values.begin(), values.end(), [](float value) { return value >= 0.0F && std::isfinite(value); });
 }
 
-/// Of what the sun sends.
+/// Bound of the irradiance on the ground, relative to the solar irradiance.
 constexpr double kMaxOnGround = 1.1;
 constexpr SkyTableOptions kUsable{.heights = 16, .view_zeniths = 32, .sun_zeniths = 32, .sun_angles = 4};
 

@@ -1,4 +1,4 @@
-// The sky beside programs that nobody here wrote.
+// Skies against independent programs.
 //
 // CDISORT 2.1.3 (Stamnes et al. 1988, "Numerically stable algorithm for discrete-ordinate-method radiative transfer"),
 // plane-parallel, 50 streams, 55 layers, intensity correction: molecules of scale height 8 km, aerosol of 1.2 km with a
@@ -239,9 +239,8 @@ TEST_CASE("What thick air over bright ground sends of further orders is estimate
 
 // Bruneton's tables as npm ships them, @takram/three-atmosphere 0.19.1 (assets/scattering.bin,
 // single_mie_scattering.bin and higher_order_scattering.bin): the constants of Hillaire 2020 under a top of 60 km over
-// a ground of albedo 0.1, four orders, half floats. Which side errs where they and `SkyTables` differ? The truth is
-// single scattering by adaptive quadrature in double and orders two to four by Monte Carlo, neither of which knows a
-// table.
+// a ground of albedo 0.1, four orders, half floats. Where they and `SkyTables` differ, the reference decides: single
+// scattering by adaptive quadrature in double and orders two to four by Monte Carlo, neither of which uses a table.
 
 namespace {
 
@@ -310,13 +309,13 @@ template <class Light>
 glm::dvec3 at_nodes(const Light& light, const Angles& at) {
   const double last = share_of(-0.5);
   const double a = share_of(at.sun);
-  const glm::dvec3 place(63.0 * share_of(at.view), 31.0 * std::max(1.0 - a / last, 0.0) / (1.0 + a),
-                         3.5 * (at.between + 1.0));
-  const glm::dvec3 low = glm::min(glm::floor(place), glm::dvec3(62.0, 30.0, 6.0));
+  const glm::dvec3 position(63.0 * share_of(at.view), 31.0 * std::max(1.0 - a / last, 0.0) / (1.0 + a),
+                            3.5 * (at.between + 1.0));
+  const glm::dvec3 low = glm::min(glm::floor(position), glm::dvec3(62.0, 30.0, 6.0));
   glm::dvec3 sum(0.0);
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 node = low + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2);
-    const glm::dvec3 near = 1.0 - glm::abs(place - node);
+    const glm::dvec3 near = 1.0 - glm::abs(position - node);
     const double view = cosine_of(node.x / 63.0);
     const double part = node.y / 31.0;
     const double sun = cosine_of(std::min(last * (1.0 - part) / (1.0 + part * last), last));

@@ -18,7 +18,7 @@ namespace welkin::test {
   return tables;
 }
 
-/// Small ones with two orders.
+/// Returns small tables with two orders.
 [[nodiscard]] inline std::shared_ptr<const SkyTables> small_tables(const Atmosphere& atmosphere = earth_bruneton(),
                                                                    ScatteringLayout layout = ScatteringLayout::full,
                                                                    SkyColour colour = SkyColour::spectral) {
@@ -32,21 +32,21 @@ namespace welkin::test {
   return sky_tables_of(atmosphere, options);
 }
 
-/// The same for all of a program.
+/// Returns `small_tables()`, computed once per program.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& small_view_tables() {
   static const std::shared_ptr<const SkyTables> tables = small_tables();
   return tables;
 }
 
-/// Of few heights, and as many other nodes as it takes for those to crowd.
+/// Returns tables with few heights, and enough nodes of the other axes that these crowd.
 [[nodiscard]] inline const std::shared_ptr<const SkyTables>& crowded_view_tables() {
   static const auto tables =
       sky_tables_of(earth_bruneton(), {.heights = 6, .view_zeniths = 48, .sun_zeniths = 48, .orders = 2});
   return tables;
 }
 
-/// Over the sky, of a view's radiances times a weight of the elevation's sine: places closer together about the sun and
-/// the horizon.
+/// Integrates a view's radiances over the sky, times a weight of the elevation's sine. The nodes lie closer together
+/// near the sun and the horizon.
 template <class Weight>
 glm::dvec3 integral_of_radiance(const SkyView& view, const glm::dvec3& sun, const Weight& weight) {
   constexpr double pi = std::numbers::pi;

@@ -134,7 +134,7 @@ TEST_CASE("Altitudes along rays agree with long double", "[sky][mapping]") {
       const long double r = static_cast<long double>(planet.radius) + altitude;
       const long double wanted = std::sqrt(r * r + s * (2.0L * r * mu + s)) - planet.radius;
       const double found = sky::altitude_along(planet.radius, altitude, mu, s);
-      // the last term is what the truth itself rounds
+      // the last term is the reference's own rounding
       CHECK(std::abs(found - static_cast<double>(wanted)) < 1e-14 * (altitude + s) + 1e-18 * planet.radius);
       const double end = sky::altitude_along(planet.radius, altitude, mu, whole);
       CHECK(std::abs(end - (ground ? 0.0 : planet.thickness)) < 1e-9 * (planet.thickness + std::abs(mu) * whole));

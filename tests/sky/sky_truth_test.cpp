@@ -25,7 +25,7 @@ using std::numbers::pi;
 
 double sine_of(double cosine) { return std::sqrt(std::max(0.0, (1.0 - cosine) * (1.0 + cosine))); }
 
-/// A texel of a scattering table, as a place, a ray and a sun.
+/// A texel of a scattering table, as an altitude, a ray and a sun.
 struct Texel {
   std::size_t index;
   double altitude;
@@ -115,7 +115,7 @@ TEST_CASE("Single scattering matches the truth at texels", "[sky][tables][truth]
     double all_by_night = 0.0;
     for (int i = 0; i < 400; ++i) {
       const Texel t = texel(tables, any(o.heights), any(o.view_zeniths), any(o.sun_angles), any(o.sun_zeniths));
-      // At the horizon itself the truth may take the other side.
+      // At the horizon itself the reference may fall on the other side.
       if (std::abs(t.view.zenith_cosine - sky::horizon_cosine(air.bottom_radius_m, t.altitude)) < 1e-9) continue;
       const std::vector<double> truth =
           reference_sky_radiance(air, t.altitude, glm::normalize(t.direction()), glm::normalize(t.to_sun()),
@@ -137,8 +137,8 @@ TEST_CASE("Single scattering matches the truth at texels", "[sky][tables][truth]
 
 namespace {
 
-/// Light scattered or reflected twice that arrives along a texel's ray, by direct integration over points of the ray
-/// and all directions about each, from the single-scattering truth.
+/// Returns the light scattered or reflected twice that arrives along a texel's ray, by direct integration of the
+/// single-scattering reference over points of the ray and all directions about each.
 std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
   constexpr int points = 7;
   constexpr int zeniths = 10;
@@ -153,8 +153,8 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
     const double s = t.view.length * u * u;
     const double weight = 0.5 * along.weights[i] * 2.0 * u * t.view.length;
     const double radius = air.bottom_radius_m + t.altitude;
-    const dvec3 place = dvec3(0.0, radius, 0.0) + s * t.direction();
-    const dvec3 up = glm::normalize(place);
+    const dvec3 point = dvec3(0.0, radius, 0.0) + s * t.direction();
+    const dvec3 up = glm::normalize(point);
     const double altitude = sky::altitude_along(air.bottom_radius_m, t.altitude, t.view.zenith_cosine, s);
     const double mu = glm::dot(up, t.direction());
     const dvec3 north = glm::normalize(sun - up * glm::dot(sun, up));
@@ -188,11 +188,11 @@ std::vector<double> twice_scattered(const Atmosphere& air, const Texel& t) {
         }
       }
     }
-    // Between the start and the place: the ratio of two rays to the top (upwards) does.
+    // The transmittance from the start to the point is the ratio of two rays to the top (upwards).
     const std::vector<double> from_start = reference_transmittance(air, t.altitude, t.view.zenith_cosine);
-    const std::vector<double> from_place = reference_transmittance(air, altitude, mu);
+    const std::vector<double> from_point = reference_transmittance(air, altitude, mu);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double through = from_start[c] / from_place[c];
+      const double through = from_start[c] / from_point[c];
       const double molecules = std::exp(altitude * air.rayleigh.density[0].exponential_scale_per_m);
       const double aerosol = std::exp(altitude * air.aerosol.density[0].exponential_scale_per_m);
       sum[c] += weight * through *
@@ -215,10 +215,10 @@ TEST_CASE("The second order matches direct integration over all directions", "[s
   options.orders = 2;
   options.truncate_orders = true;
   const SkyTables twice = precompute_sky(air, options);
-  struct Place {
+  struct Node {
     int height, view, angle, sun;
   };
-  for (const Place& p : some_of(2, {Place{2, 24, 3, 27}, Place{5, 21, 0, 22}, Place{1, 18, 4, 19}})) {
+  for (const Node& p : some_of(2, {Node{2, 24, 3, 27}, Node{5, 21, 0, 22}, Node{1, 18, 4, 19}})) {
     const Texel t = texel(twice, p.height, p.view, p.angle, p.sun);
     REQUIRE(!t.view.ground);
     REQUIRE(t.view.zenith_cosine > 0.0);
@@ -253,7 +253,7 @@ TEST_CASE("Orders two to four on the ground match path tracing", "[sky][tables][
   }
 }
 
-// Singly scattered skies against the dense truth in double precision.
+// Singly scattered skies against the dense reference in double precision.
 
 namespace {
 
@@ -381,9 +381,9 @@ TEST_CASE("sky view: a singly scattered sky is the truth to half a percent, and 
 
 namespace {
 
-/// Share of light that gets through a ray's air, from the ground to its start: the two ways to the top in its place, by
-/// their cosines. R mu at the ground is (rho^2 - d^2) / (2 d), rho being the distance of the horizon; at the start (R +
-/// h) mu is larger by the distance d.
+/// Returns a ray's transmittance from the ground to its start, from the two rays to the top by their cosines. R mu at
+/// the ground is (rho^2 - d^2) / (2 d), rho being the distance of the horizon; at the start (R + h) mu is larger by the
+/// distance d.
 std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, double distance) {
   const double radius = air.bottom_radius_m;
   const double rho = sky::tangent_distance(radius, altitude);
@@ -396,16 +396,16 @@ std::array<double, 3> share_from_ground(const Atmosphere& air, double altitude, 
 
 }  // namespace
 
-// A panel of altitudes that begins at the ground took six nodes that knew nothing of the ray: 0.6 % too long next to
-// the horizon, and 1.5e-3 of the ground's light.
+// A panel of altitudes from the ground up used to have six nodes regardless of the ray: 0.6 % too long next to the
+// horizon, and 1.5e-3 of the ground's light.
 TEST_CASE("sky view: the ground's light comes through the air in front of it to 1e-6", "[sky][view][truth]") {
   constexpr int kHalf = 32;
-  // A layer that is thin beside the scale height: a panel begins just above the ground.
+  // A layer much thinner than the scale height: a panel begins just above the ground.
   Atmosphere layered = earth_bruneton();
   layered.name = "layered";
   layered.aerosol.density = {{1.0, 0.0, 0.0, 0.0, 1.0}, {0.0, 1.0, -1.0 / 1200.0, 0.0, 0.0}};
   for (const Atmosphere& air : {earth_bruneton(), mars(), layered}) {
-    SkyTables tables;  // no more of them is looked at
+    SkyTables tables;  // only these members are read
     tables.atmosphere = air;
     tables.options.view_zeniths = 2 * kHalf;
     tables.options.orders = 1;  // nothing goes straight on

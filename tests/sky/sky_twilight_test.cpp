@@ -82,8 +82,8 @@ TEST_CASE("sky view: earth()'s radiances at 8 azimuths integrate to its irradian
 
 namespace {
 
-/// Of directions all over the sky: what singly scattered light is off the quadrature, as a share of all light in the
-/// same direction, at most, below 3 degrees, up to 45, and above; and the root of the mean square over that of light.
+/// Errors of singly scattered light against the quadrature, over the sky: the maximum relative to all light in the same
+/// direction, below 3 degrees, up to 45, and above; and the root mean square error over the light's root mean square.
 struct DirectionErrors {
   double low = 0.0;
   double middle = 0.0;
@@ -160,8 +160,8 @@ TEST_CASE("brightness between suns falls as an exponential does, and swings nowh
 
 // The light of the night, and skies by suns deep below the horizon.
 
-// Promise: where an atmosphere asks for it, the zenith of the night has the luminance asked for, by night and by day;
-// irradiance, harmonics, curves and images have it too.
+// Promise: where an atmosphere sets one, the zenith has the requested night luminance, by night and by day; irradiance,
+// harmonics, curves and images have it too.
 
 namespace {
 
@@ -170,7 +170,7 @@ Atmosphere at_night(Atmosphere air = earth(), double luminance = kDarkNightZenit
   return air;
 }
 
-/// Of radiances at an atmosphere's three wavelengths, cd/m2.
+/// Returns the luminance of radiances at an atmosphere's three wavelengths, cd/m2.
 double luminance(const Atmosphere& air, const dvec3& radiance) {
   const std::vector<dvec3> weights = sky::srgb_weights(air.wavelengths_nm);
   dvec3 rgb(0.0);
@@ -301,7 +301,7 @@ TEST_CASE("sky view: the default holds the light of all orders to 2 % from noon 
   struct Planet {
     Atmosphere air;
     double bound;
-    double eight = 0.0;  ///< the least share that eight orders have at night
+    double eight = 0.0;  ///< the minimum share that eight orders have at night
   };
   // on Mars half of an order's light is scattered once more, and dust makes it last longest opposite to the sun
   for (const Planet& planet :

@@ -1,4 +1,4 @@
-// What a view of a sky gives, at every height and under every sun.
+// Views of a sky, at every height and under every sun.
 #include "jobs/tiles.h"
 #include "reference/sky_reference.h"
 #include "sky/air.h"
@@ -18,7 +18,7 @@
 
 namespace welkin::test {
 
-// What a view gives: the same from every call and on every machine, symmetric, continuous, never negative.
+// A view is the same from every call and on every machine, symmetric, continuous and never negative.
 
 namespace {
 
@@ -69,7 +69,7 @@ TEST_CASE("sky view: one direction and many give the same bits", "[sky][view][de
   }
 }
 
-// The readable twin: the same lookup by the slice's own functions, one direction at a time.
+// The readable counterpart: the same lookup by the slice's own functions, one direction at a time.
 
 namespace {
 
@@ -108,7 +108,7 @@ glm::dvec3 twin(const SkyView& view, glm::dvec3 direction, const glm::dvec3& sun
     return limited(values, taps.cubic, static_cast<double>(taps.ratios[0]) * values[taps.cubic.between],
                    static_cast<double>(taps.ratios[1]) * values[taps.cubic.between + 1]);
   };
-  // Which of the four nodes is next below: told by the signs of the weights, or by the end's being alone.
+  // Index of the next of the four nodes below, from the signs of the weights, or from an end's weight of 1.
   const auto between = [](const sky::CubicTaps& taps) {
     if (taps.weights[2] < 0.0F || taps.weights[0] == 1.0F) return 0;
     return taps.weights[1] < 0.0F || taps.weights[3] == 1.0F ? 2 : 1;

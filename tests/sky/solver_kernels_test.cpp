@@ -70,7 +70,7 @@ struct Scene {
     for (int i = 0; i < kCount; ++i) row.push_back(kNodes * (i % (kAngles - 1)));
   }
 
-  /// What molecules send on at a node of suns, in a channel, before it is weighted by the brightness.
+  /// Returns the light that molecules scatter at a node of suns, in a channel, before the weight by brightness.
   [[nodiscard]] double molecules_at(int node, std::size_t c, double q) const {
     const double mu = static_cast<double>(sample.view_cosine);
     const double factors[sky::kMoleculeTerms] = {1.0, 0.5 * (3.0 * mu * mu - 1.0), mu * mu - 1.0, mu * q, q * q};
@@ -157,7 +157,7 @@ struct SunlitScene {
     nu = numbers(generator, sun.size(), -1.0, 1.0);
   }
 
-  /// The disc's visible share, of a middle that rises by 2 w about `risen`: by Simpson's rule.
+  /// Returns the disc's visible share for a middle that rises by 2 w about `risen`, by Simpson's rule.
   static double share(double risen, double width) {
     const auto visible = [](double t) {
       const double inside = std::clamp(t, 0.0, 1.0);
@@ -172,7 +172,7 @@ struct SunlitScene {
     return sum / (3.0 * steps);
   }
 
-  /// Of sun i, matter 0 or 1.
+  /// Returns the expected sunlight of sun i, for matter 0 or 1.
   double expected(std::size_t i, std::size_t matter, std::size_t c) const {
     const auto number = [](float value) { return static_cast<double>(value); };
     if (matter == 1 && !sample.with_aerosol) return 0.0;

@@ -1,4 +1,4 @@
-// The sun by date and place, beside astropy's and beside what geometry demands.
+// The sun's position by date and site, against astropy's and against geometry.
 #include <glm/geometric.hpp>
 
 #include "math/elementary.h"
@@ -113,7 +113,7 @@ TEST_CASE("sun position: azimuths are those of sun_direction, and north may be p
   CHECK(degrees_between(rotated.direction, dvec3(-1.0, 1.0, -1.0) * evening.direction) < 1e-9);
   CHECK(rotated.compass_degrees == evening.compass_degrees);
 
-  // Longitude and the hour are one: a turn of the Earth, and the place where all is the same, come out equal.
+  // Longitudes that are 360 degrees apart are the same site.
   const double moment = unix_seconds("2000-05-05T05:05:05Z");
   const SunObserver here{.latitude_degrees = -33.0, .longitude_degrees = 151.0};
   const SunObserver around{.latitude_degrees = -33.0, .longitude_degrees = 151.0 - 360.0};
@@ -131,21 +131,21 @@ TEST_CASE("sun position: azimuths are those of sun_direction, and north may be p
 
 TEST_CASE("sun position: refraction is continuous and that of tables", "[sky][sun_position]") {
   // 29' at a true elevation of 0 (34' at an apparent one); 5.4' at 10 degrees, 1' at 45 (Meeus, chapter 16).
-  SunObserver place{.refraction = true};
+  SunObserver observer{.refraction = true};
   const double start = unix_seconds("2024-03-20T03:00Z");
   const auto raised = [&](double elevation) {
     const auto below = [&](double s) { return elevation_at(s, 0.0, 0.0) < elevation; };
-    return sun_position(turning_point(start, start + 9 * 3600.0, below), place).refraction_degrees * 60.0;
+    return sun_position(turning_point(start, start + 9 * 3600.0, below), observer).refraction_degrees * 60.0;
   };
   CHECK(raised(0.0) == Approx(28.9).margin(0.3));
   CHECK(raised(10.0) == Approx(5.4).margin(0.1));
   CHECK(raised(45.0) == Approx(1.0).margin(0.05));
-  place.pressure_hpa = 505.0;
+  observer.pressure_hpa = 505.0;
   CHECK(raised(10.0) == Approx(2.7).margin(0.05));
-  place.pressure_hpa = 1010.0;
-  double last = sun_position(start, place).refraction_degrees;
+  observer.pressure_hpa = 1010.0;
+  double last = sun_position(start, observer).refraction_degrees;
   for (double s = start; s < start + 9 * 3600.0; s += 4.0) {
-    const double next = sun_position(s, place).refraction_degrees;
+    const double next = sun_position(s, observer).refraction_degrees;
     CHECK(std::abs(next - last) < 0.02);  // while the sun moves by 0.0167
     CHECK(next >= 0.0);
     last = next;

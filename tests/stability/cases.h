@@ -1,28 +1,28 @@
-// What happens where numbers are extreme: a named suite that measures every promise on its hardest cases. Errors are
-// deterministic (the library gives the same bits everywhere), so a result can be compared with a recorded one.
+// A named suite that measures every promise on its hardest cases, where numbers are extreme. Errors are deterministic
+// (the library gives the same bits everywhere), so a result can be compared with a recorded one.
 #pragma once
 
 #include "standard_headers.h"
 
 namespace welkin::test::stability {
 
-/// What a number of a result counts.
+/// Unit of a measured error.
 enum class StabilityUnit {
-  relative,  ///< error over the truth, or over what the promise names
-  ulps,      ///< error in units of the last place of the float nearest to the truth
-  count,     ///< answers that are wrong: 0 or it does not hold
-  ratio,     ///< how many times an error grew
+  relative,  ///< relative to the reference, or to what the promise names
+  ulps,      ///< in units in the last place of the float nearest to the reference
+  count,     ///< number of wrong answers: must be 0
+  ratio,     ///< factor by which an error grew
 };
 
 enum class Effort { quick, full };  ///< full: not in quick runs
 
-/// A number, and what it is called in names.
+/// A number, and its form in names.
 struct Named {
   std::string text;
   double value;
 };
 
-/// The bound that a case's error is held to, and when.
+/// The bound of a case's error, and when it is checked.
 struct Terms {
   double bound;
   StabilityUnit unit = StabilityUnit::relative;

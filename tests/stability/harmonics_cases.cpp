@@ -1,4 +1,4 @@
-// Turns of coefficients, and windows that are hard to find.
+// Rotations of coefficients, and windows that are hard to find.
 #include <glm/gtc/quaternion.hpp>
 
 #include "stability/cases.h"
@@ -9,7 +9,7 @@
 
 namespace welkin::test::stability {
 
-// Turns: tiny ones, those by nearly a half turn, ten thousand in a row.
+// Rotations: tiny ones, those by nearly 180 degrees, ten thousand in a row.
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -29,7 +29,7 @@ SphericalHarmonics random_light(int bands) {
   return light;
 }
 
-/// Rodrigues' formula, in which a tiny angle's turn is not rounded away.
+/// Rotates by Rodrigues' formula, in which a tiny angle's rotation is not rounded away.
 glm::dvec3 rotate(const glm::dvec3& d, const glm::dvec3& axis, double angle) {
   const double half = std::sin(0.5 * angle);
   return d + std::sin(angle) * glm::cross(axis, d) + 2.0 * half * half * glm::cross(axis, glm::cross(axis, d));
@@ -40,7 +40,7 @@ glm::dquat rotate(const glm::dvec3& axis, double angle) {
   return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-/// Lights from several directions turned about several axes.
+/// Rotates lights from several directions about several axes.
 double rotated_light_error(double angle, int bands) {
   double worst = 0.0;
   for (std::uint32_t k = 0; k < 6; ++k) {
@@ -52,7 +52,7 @@ double rotated_light_error(double angle, int bands) {
   return worst;
 }
 
-/// The change that a tiny turn makes against its derivative: the turned light's difference from itself, over the angle.
+/// Compares the change by a tiny rotation with its derivative: the rotated light's difference from itself per angle.
 double tiny_change_error(double angle) {
   const glm::dvec3 from = direction(3);
   const glm::dvec3 axis = direction(60);
@@ -67,7 +67,7 @@ double tiny_change_error(double angle) {
 }
 
 struct Walk {
-  double end;    ///< against one turn
+  double end;    ///< error against a single rotation
   double power;  ///< the worst band's drift
 };
 
@@ -77,7 +77,7 @@ double band_power(const SphericalHarmonics& c, int l) {
   return sum;
 }
 
-/// `steps` small turns one after another.
+/// Rotates by `steps` small angles in succession.
 Walk walk(int bands, int steps, const std::function<glm::dquat(std::uint32_t)>& step) {
   const SphericalHarmonics light = random_light(bands);
   SphericalHarmonics walked = light;
@@ -164,7 +164,7 @@ void add_rotation_cases(StabilityCases& cases) {
 // Windows that are hard to find: hardly negative light, light that is nearly all direction, many bands.
 namespace {
 
-/// Radiance of two bands whose irradiance has the least value (1 - ratio) times its mean: a linear gradient.
+/// Returns a linear gradient: radiance of two bands whose irradiance has the minimum (1 - ratio) times its mean.
 SphericalHarmonics gradient(double ratio, const glm::dvec3& towards) {
   SphericalHarmonics light(2);
   const double y0 = 0.5 / std::sqrt(kPi);
@@ -178,7 +178,7 @@ SphericalHarmonics gradient(double ratio, const glm::dvec3& towards) {
   return light;
 }
 
-/// Of light from one place that no axis favours.
+/// Returns light from one direction that no axis favours.
 SphericalHarmonics one_sided_light(int bands) {
   return point_light(glm::normalize(glm::dvec3(0.3, -0.8, 0.5)), kWhite, bands);
 }
@@ -189,16 +189,16 @@ double gradient_lambda_error(double ratio) {
   return relative_error(apply_window(gradient(ratio, {0.48, 0.6, 0.64}), Window::min_laplacian).parameter, truth);
 }
 
-/// How far below zero the irradiance still goes, over its mean, by looking in many directions.
+/// Returns how far below zero the irradiance still goes in 2000 directions, over its mean.
 double left_below_zero(const SphericalHarmonics& light) {
   const SphericalHarmonics irradiance = irradiance_from_radiance(apply_window(light, Window::min_laplacian).radiance);
   const double mean = mean_radiance(irradiance).x;
-  double least = 0.0;
-  for (const glm::dvec3& d : spread_directions(2000)) least = std::min(least, evaluate(irradiance, d).x);
-  return -least / mean;
+  double lowest = 0.0;
+  for (const glm::dvec3& d : spread_directions(2000)) lowest = std::min(lowest, evaluate(irradiance, d).x);
+  return -lowest / mean;
 }
 
-/// Widths that are tiny leave band 0 alone; huge ones change nothing.
+/// Tiny widths leave nothing but band 0; huge ones change nothing.
 double width_error() {
   const SphericalHarmonics light = one_sided_light(6);
   double worst = 0.0;
@@ -209,7 +209,7 @@ double width_error() {
   return worst;
 }
 
-/// The same light, turned, asks for the same window.
+/// Rotated light has the same window.
 double rotated_lambda_error(int bands) {
   const SphericalHarmonics light = one_sided_light(bands);
   const double lambda = apply_window(light, Window::min_laplacian).parameter;

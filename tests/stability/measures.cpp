@@ -15,7 +15,7 @@ Image filled(Image image, const Value& value) {
   return image;
 }
 
-/// Of a value's place among rows of `width` texels, and the row.
+/// Returns a checkerboard's value by its index in rows of `width` texels.
 float board(std::size_t value, int width, float amplitude) {
   const std::size_t texel = value / 3;
   const auto columns = static_cast<std::size_t>(width);
@@ -224,7 +224,7 @@ double radiance_error(const SkyView& view, const std::vector<glm::dvec3>& direct
 
 double sky_error(const Atmosphere& atmosphere, double altitude_m, double sun_elevation_degrees,
                  const SkyTableOptions& options) {
-  // The next case is often of the same planet.
+  // The next case often has the same planet.
   static std::shared_ptr<const SkyTables> last;
   if (!last || last->atmosphere != atmosphere || last->options != options) last = sky_tables_of(atmosphere, options);
   return radiance_error(SkyView(last, altitude_m, {.ground = false}), hard_directions(atmosphere, altitude_m),

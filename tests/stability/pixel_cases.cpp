@@ -1,4 +1,4 @@
-// Pixels with extreme values: the range of projections and of images, and what policies make of NaN, infinities,
+// Pixels with extreme values: the range of projections and of images, and the policies for NaN, infinities and
 // negatives.
 #include "reference/reference_projection.h"
 #include "stability/cases.h"
@@ -23,7 +23,7 @@ constexpr float kLargest = std::numeric_limits<float>::max();
 
 const std::vector<std::string> kValues{"1e-38", "1e-20", "1e-4", "1e4", "1e8", "1e20", "1e30", "1e38", "3.4e38"};
 
-/// The number in a name; 3.4e38 is the last float.
+/// Returns the number in a name; 3.4e38 stands for the largest float.
 float value_of(const std::string& text) { return text == "3.4e38" ? kLargest : static_cast<float>(std::stod(text)); }
 
 template <class Image>
@@ -31,7 +31,7 @@ double projection_error(const Image& image) {
   return relative_error(project(image.view()).radiance, reference_projection(image.view()));
 }
 
-/// Of a uniform map against sqrt(4 pi) times its value.
+/// Returns the error of a uniform map's projection against sqrt(4 pi) times its value.
 double uniform_error(const EnvironmentView& view, double value) {
   return relative_error(project(view).radiance, constant_radiance(glm::dvec3(value), 3));
 }
@@ -48,7 +48,7 @@ double half_error(std::uint16_t half, double value) {
   return uniform_error(shared_faces(face, kSize), value);
 }
 
-/// How wrong the light of the background is once that of the bright texel is known and subtracted.
+/// Returns the error of the background's light after the bright texel's known light is subtracted.
 double background_error(float value) {
   const Cubemap map = with_texel(grey_cubemap(kSize, 1.0F), kTexel, value);
   const Cubemap texel = with_texel(grey_cubemap(kSize, 0.0F), kTexel, value);
@@ -145,7 +145,7 @@ double mips_ulps(float value) {
   return worst;
 }
 
-/// Texels of a prefiltered mip and their truths: every fifth and the brightest.
+/// Texels of a prefiltered mip and their references: every fifth and the brightest.
 struct Blurred {
   std::vector<glm::dvec3> found;
   std::vector<glm::dvec3> truth;
@@ -174,7 +174,7 @@ LatLongImage dark_lat_long(float factor) { return with_texel(grey_lat_long(128, 
 double worst_error(const Blurred& mip) { return worst_relative_error(mip.found, mip.truth); }
 double rms_of(const Blurred& mip) { return rms_error(mip.found, mip.truth); }
 
-/// The largest error over the brightest texel.
+/// Returns the largest error over the brightest texel.
 double error_of_peak(const Blurred& mip) {
   double peak = 0.0;
   double worst = 0.0;
@@ -288,7 +288,7 @@ void add_image_range_cases(StabilityCases& cases) {
             [] { return irradiance_cubemap_ulps(kLargest); });
 }
 
-// What is no number, and what is below zero, under each policy.
+// NaN, infinities and negatives under each policy.
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -384,7 +384,7 @@ double all_nan() {
          wrong_if(found.diagnostics.nans_replaced != 18 * 256);
 }
 
-/// NaN in alpha, four channels.
+/// Projects four channels with NaN in alpha.
 double alpha_error() {
   const Cubemap rgb = noise_cube(16, 1);
   std::vector<float> rgba;

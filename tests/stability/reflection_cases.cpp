@@ -9,13 +9,13 @@
 
 namespace welkin::test::stability {
 
-// The BRDF table at its ends: views that graze, roughness near 0 and 1.
+// The BRDF table at its ends: grazing views, roughness near 0 and 1.
 namespace {
 
 constexpr double kTableError = 1e-5;  ///< reflections.h
 
-/// The worst error of one column of a table (0: the most grazing view), of a row's entry by normal_view and the square
-/// of the roughness.
+/// Returns the worst error of one column of a table (0: the most grazing view), with `error` of a row's entry by
+/// normal_view and the square of the roughness.
 template <class RowError>
 double column_error(int width, int height, int column, const RowError& error) {
   const auto table = brdf_table({.width = width, .height = height});
@@ -29,7 +29,7 @@ double column_error(int width, int height, int column, const RowError& error) {
   return worst;
 }
 
-/// The error of scale and bias.
+/// Returns the error of scale and bias.
 double ggx_error(const float* entry, double normal_view, double alpha) {
   const report::BrdfTruth truth = report::ggx_truth(normal_view, alpha);
   return worse(std::abs(entry[0] - truth.scale), std::abs(entry[1] - truth.bias));
@@ -40,7 +40,7 @@ double sheen_error(const float* entry, double normal_view, double alpha) {
   return std::abs(entry[2] - sheen) / std::max(1.0, sheen);
 }
 
-/// Of sheen far above the halves: none becomes infinite.
+/// Returns how many values are unsound or exceed the largest half. Sheen goes far above it; none may become infinite.
 double half_values_wrong() {
   const auto table = brdf_table({.width = 1024, .height = 64});
   double wrong = unsound(table->values);
@@ -81,14 +81,14 @@ double error_of(double roughness, int size, PrefilterMethod method) {
                               reference_specular(source.view(), roughness, texel_centres(size)));
 }
 
-/// Of lobes narrower than a texel, at the source's own size.
+/// Returns the error of lobes narrower than a texel, at the source's size.
 double narrow_error(double roughness) {
   const Cubemap source = noise_cube(8, 12);
   return rms_error(texels(prefiltered(source, 8, roughness, PrefilterMethod::automatic).cubemap, 0),
                    reference_specular(source.view(), roughness, texel_centres(8)));
 }
 
-/// How far a texel leaves the range of the source's, 1 to 1000, over the end that it leaves.
+/// Returns how far a texel leaves the source's range, 1 to 1000, relative to the end that it passes.
 double outside_of_range(double roughness) {
   const Cubemap source = with_texel(grey_cubemap(16, 1.0F), 300, 1000.0F);
   double worst = 0.0;
@@ -158,13 +158,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A unit direction that lies so far from the nadir.
+/// Returns the unit direction at that angle from the nadir.
 glm::dvec3 from_nadir(double degrees) {
   const double angle = degrees * kPi / 180.0;
   return {std::sin(angle) * 0.6, -std::cos(angle), std::sin(angle) * 0.8};
 }
 
-/// Irradiance of a lit upper half on a normal `degrees` from the nadir: pi (1 - cos) / 2, written as pi sin^2(half).
+/// Returns a lit upper half's irradiance on a normal `degrees` from the nadir: pi (1 - cos) / 2, as pi sin^2(half).
 double half_lit_irradiance(double degrees) {
   const double half = std::sin(0.5 * degrees * kPi / 180.0);
   return kPi * half * half;
@@ -180,7 +180,7 @@ double cosine_relative_error(const Image& map, double degrees) {
   return relative_error(direct_irradiance(map.view(), from_nadir(degrees)).x, half_lit_irradiance(degrees));
 }
 
-/// What a lobe sees of a half-lit sphere, plus what its mirror image in the horizon sees: all of it.
+/// A lobe's share of a half-lit sphere and that of its mirror image in the horizon must add up to 1.
 double mirrored_lobes(double roughness, const std::vector<glm::dvec3>& directions) {
   const Cubemap map = upper_half_cube(32);
   std::vector<glm::dvec3> both = directions;
@@ -224,7 +224,7 @@ double mirrored_texels(double roughness) {
   return worst;
 }
 
-/// What a lobe towards the nadir sees of a lit upper half: nothing.
+/// A lobe towards the nadir must receive nothing of a lit upper half.
 double lobe_behind(double roughness) {
   const Cubemap map = upper_half_cube(32);
   return reference_specular(map.view(), roughness, {glm::dvec3(0.0, -1.0, 0.0)})[0].x;

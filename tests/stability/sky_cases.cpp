@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// e^x K1(x) for x above 30: Hankel's asymptotic series (DLMF 10.40.2).
+/// Returns e^x K1(x) for x above 30, by Hankel's asymptotic series (DLMF 10.40.2).
 double scaled_bessel_k1(double x) {
   double term = 1.0;
   double sum = 1.0;
@@ -25,7 +25,7 @@ double scaled_bessel_k1(double x) {
   return std::sqrt(kPi / (2.0 * x)) * sum;
 }
 
-/// Exponential air that is 40 scale heights thick, of which a horizontal ray from the ground meets the optical depth 1.
+/// Returns exponential air, 40 scale heights thick, in which a horizontal ray from the ground has optical depth 1.
 Atmosphere grazed_planet(double radius, double scale_height) {
   Atmosphere air = plain_planet(radius, 40.0 * scale_height, scale_height);
   const double per_metre = 1.0 / (radius * scaled_bessel_k1(radius / scale_height));
@@ -52,7 +52,7 @@ double depth_step_at_horizon(double cosine) {
   return relative_error(-std::log(reference_transmittance(air, 0.0, cosine)[0]), level);
 }
 
-/// The sun through the tables' air against the reference.
+/// Compares the sun through the tables' air with the reference.
 double sun_error(double elevation, double altitude) {
   const SkyView view(earth_tables(), altitude);
   const glm::dvec3 sun = sun_direction(elevation, 0.0);
@@ -60,13 +60,13 @@ double sun_error(double elevation, double altitude) {
   return relative_error(view.sun_light(sun).irradiance, glm::dvec3(truth[0], truth[1], truth[2]));
 }
 
-/// Tables of as many heights as the default.
+/// Returns tables with the default number of heights.
 const std::shared_ptr<const SkyTables>& usual_tables() {
   static const auto tables = sky_tables_of(earth_bruneton(), {.orders = 1});
   return tables;
 }
 
-/// Radiance just above and below a horizon.
+/// Compares radiance just above and below a horizon.
 double horizon_error(const std::shared_ptr<const SkyTables>& tables, double altitude) {
   const SkyView view(tables, altitude, {.ground = false});
   const double horizon = kPi - std::asin(6.36e6 / (6.36e6 + altitude));
@@ -179,8 +179,8 @@ struct Elevation {
   std::string text;  ///< in names
   double degrees;
   double radiance;   ///< bound of radiance, most of it next to the horizon: percents at the planet's shadow's edges
-  double harmonics;  ///< of the projector, by sky.h
-  double curve;      ///< of the curve, likewise
+  double harmonics;  ///< bound of the projector, by sky.h
+  double curve;      ///< bound of the curve, by sky.h
 };
 
 }  // namespace
@@ -245,7 +245,7 @@ double lobe_error(double asymmetry) {
   return radiance_error(view, directions, 30.0);
 }
 
-/// Light without air: none, and the sun as it is in space.
+/// Without air there must be no scattered light, and the sun's irradiance in space.
 double vacuum_wrong() {
   const auto tables = sky_tables_of(dense_earth(0.0), single_order());
   const SkyView view(tables, 0.0, {.ground = false});
@@ -273,7 +273,7 @@ double unsound_tables(double factor, int orders, double albedo) {
   return unsound_values(precompute_sky(with_ground_albedo(dense_earth(factor), albedo), many_orders(orders)));
 }
 
-/// Of the sun's light in space, what falls on the ground at most, sky alone.
+/// Returns the maximum irradiance of the sky on the ground, relative to the sun's in space.
 double most_on_ground(double factor) {
   const SkyTables tables = precompute_sky(dense_earth(factor), many_orders(16));
   double most = 0.0;
@@ -344,7 +344,7 @@ double earth_error(double altitude) {
   return radiance_error(view, hard_directions(earth_bruneton(), altitude), 30.0);
 }
 
-/// A planet is the same sky at any scale: lengths times 1e6, coefficients over it.
+/// A planet's sky is the same at any scale: lengths times 1e6, coefficients over it.
 double scaled_difference() {
   const auto harmonics = [](double scale) {
     const SkyView view = sky_view_of(plain_planet(scale, 0.01 * scale, 0.00125 * scale), single_order());

@@ -1,6 +1,6 @@
 // Promise: every case of the stability suite is as exact as it is on record (tests/data/stability.json): no error grew,
-// no promise broke, no case is gone. After a change that alters errors and says why, WELKIN_RECORD_GOLDEN=1 writes the
-// file again: `welkin_tests "[stability]"`, all in one process.
+// no promise broke, no case is gone. After a change that alters errors for a stated reason, WELKIN_RECORD_GOLDEN=1
+// writes the file again: `welkin_tests "[stability]"`, all in one process.
 #include <nlohmann/json.hpp>
 
 #include "perf/report/measuring.h"
@@ -16,7 +16,7 @@ using stability::StabilityUnit;
 
 // The suite: all cases in order, each measured or caught.
 
-/// One case, measured.
+/// A measured case.
 struct StabilityResult {
   std::string name;       ///< subject/case, unique
   std::string subject;    ///< one of `kSubjects`
@@ -77,8 +77,8 @@ StabilityResult measured(const std::string& subject, const stability::StabilityC
   return result;
 }
 
-/// Runs a subject's cases in their order; `quick`: without those that take long or much memory (faces of 2048 to 8192).
-/// An exception in a case is its result (`failure`), not the end.
+/// Runs a subject's cases in order; `quick` leaves out those that take long or much memory (faces of 2048 to 8192). An
+/// exception in a case is its result (`failure`) and does not end the run.
 std::vector<StabilityResult> run_stability(const std::string& subject, bool quick) {
   stability::StabilityCases cases(subject);
   for (const Subject& known : kSubjects) {
@@ -91,17 +91,17 @@ std::vector<StabilityResult> run_stability(const std::string& subject, bool quic
   return results;
 }
 
-// docs/notes/stability_table.md: a table a subject, then what does not hold and what to do. Paragraphs are wrapped at
+// docs/notes/stability_table.md: a table per subject, then what does not hold and what to do. Paragraphs are wrapped at
 // 120 columns.
 
-/// Where and when something was measured, for people.
+/// Where and when something was measured, for the page.
 struct StabilityOrigin {
   std::string date;       ///< 2026-11-22
   std::string machine;    ///< processor, instruction set, compiler
   std::string command{};  ///< that made the page
 };
 
-/// Two significant digits, whatever the locale.
+/// Returns two significant digits in any locale.
 std::string number(double value) {
   if (std::isinf(value)) return "infinite";
   char text[32];
@@ -109,7 +109,7 @@ std::string number(double value) {
   return {text, end.ptr};
 }
 
-/// Lines of at most 120 columns.
+/// Wraps text to lines of at most 120 columns.
 std::string wrapped(const std::string& text) {
   constexpr std::size_t width = 120;
   std::string lines;
@@ -151,7 +151,7 @@ std::string table(const std::vector<StabilityResult>& results, const Subject& su
          "\n| case | promise | against | measured | bound | holds |\n|---|---|---|---|---|---|\n" + text;
 }
 
-/// Each advice once, with all cases that it is about and that do not hold.
+/// Returns each advice once, with all of its cases that do not hold.
 std::string advice(const std::vector<StabilityResult>& results) {
   std::vector<std::string> seen;
   std::string text;
@@ -200,11 +200,11 @@ std::string stability_markdown(const std::vector<StabilityResult>& results, cons
 
 // Errors against those on record.
 
-/// How much larger than recorded an error may be. The library's bits are the same everywhere; those of the truths
-/// depend on the machine's mathematical library, in their last places.
+/// Maximum ratio of an error to the recorded one. The library's bits are the same everywhere; the last bits of the
+/// references depend on the machine's mathematical library.
 constexpr double kMaxGrowth = 2.0;
 
-/// Errors of so little are the truths' own rounding and may become each other.
+/// Returns the error below which the references' rounding dominates; smaller errors count as equal.
 double negligible(StabilityUnit unit) { return unit == StabilityUnit::relative ? 3e-14 : 0.0; }
 
 std::string path() { return std::string(WELKIN_TEST_DATA) + "/stability.json"; }
@@ -259,8 +259,8 @@ void require_recorded(const std::string& subject) {
   }
 }
 
-/// The same for subjects that take many seconds. Sanitizers make minutes of them; what they call has tests of its own
-/// there.
+/// Measures subjects that take many seconds, unless sanitizers make minutes of them; other tests there call the same
+/// code.
 void require_recorded_if_fast(const std::string& subject) {
   if (!kSanitized) require_recorded(subject);
 }

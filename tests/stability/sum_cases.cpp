@@ -19,14 +19,14 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kProjectionError = 5e-7;  ///< projection.h
 
-/// k / 1024 as a half, for k below 2048: exactly.
+/// Returns k / 1024 as a half, for k below 2048: exactly.
 std::uint16_t half_of_1024ths(std::uint32_t k) {
   if (k == 0) return 0;
   const auto exponent = static_cast<std::uint32_t>(std::bit_width(k)) - 1U;
   return static_cast<std::uint16_t>(((exponent + 5U) << 10U) | ((k << (10U - exponent)) & 0x3FFU));
 }
 
-/// One face in memory that stands for all six: 8192 x 8192 take 0.4 GB that way.
+/// One face in memory that stands for all six, so that 8192 x 8192 take 0.4 GB.
 struct SharedFace {
   int size;
   std::vector<std::uint16_t> pixels;
@@ -86,7 +86,7 @@ void add_noise_row(int size, int row, SphericalHarmonics& sum) {
   for (std::size_t k = 0; k < 9; ++k) sum.coefficients()[k] += part[k];
 }
 
-/// In double: one face's sums, turned into each of the six frames.
+/// Returns one face's sums in double, rotated into each of the six frames.
 SphericalHarmonics noise_truth(int size) {
   SphericalHarmonics local(3);
   for (int row = 0; row < size; ++row) add_noise_row(size, row, local);
@@ -117,7 +117,7 @@ double constant_lat_long_error(int height) {
   return relative_error(project(view).radiance, constant_radiance(glm::dvec3(kTenthValue), 3));
 }
 
-/// The worst error of larger sizes over that of smaller ones, errors below a rounding of float counting as that.
+/// Returns the worst error of larger sizes over that of smaller ones; errors below a float's rounding count as that.
 double growth(double (*error)(int), const std::vector<int>& small, const std::vector<int>& large) {
   const auto worst = [&](const std::vector<int>& sizes) {
     double most = 0x1p-24;
@@ -127,7 +127,7 @@ double growth(double (*error)(int), const std::vector<int>& small, const std::ve
   return worst(large) / worst(small);
 }
 
-/// Mean of the sphere on each mip against that of the first.
+/// Compares the sphere's mean on each mip with that of the first.
 double mips_drift(int size) {
   const Cubemap chain = build_mips(noise_cube(size, 9).view());
   const glm::dvec3 first = project(chain.view(0)).diagnostics.total_radiance;
@@ -202,7 +202,7 @@ ProjectionOptions bands(int count) {
   return options;
 }
 
-/// What is above band 0, over band 0.
+/// Returns the norm of the bands above 0 over band 0.
 double leak(const SphericalHarmonics& c) { return norm(c, 1) / glm::length(c.at(0, 0)); }
 
 double uniform_leak(int size, int band_count) {
@@ -213,27 +213,27 @@ double uniform_lat_long_leak(int height, int band_count) {
   return leak(project(grey_lat_long(2 * height, height, 1.0F).view(), bands(band_count)).radiance);
 }
 
-/// 1 + amplitude * noise, which is a map of floats like any other: truth and result read the same ones.
+/// Returns 1 + amplitude * noise, rounded to floats: reference and result read the same ones.
 Cubemap nearly_uniform(int size, float amplitude) {
   Cubemap map = noise_cube(size, 5);
   for (float& value : map.pixels()) value = 1.0F + amplitude * value;
   return map;
 }
 
-/// Bands above the first against their own size.
+/// Returns the error of the bands above the first, relative to these bands.
 double upper_band_error(float amplitude) {
   const Cubemap map = nearly_uniform(32, amplitude);
   return relative_error(project(map.view()).radiance, reference_projection(map.view()), 1);
 }
 
-/// Error over what the map's magnitude projects to.
+/// Returns the error over the projection of the map's magnitude.
 template <class Image>
 double checkerboard_error(const Image& map, double amplitude) {
   return distance(project(map.view()).radiance, reference_projection(map.view())) /
          (std::sqrt(3.0) * kSphere * amplitude);
 }
 
-/// Normals of a board's irradiance against that of the map read in mirrored order: E(map) + E(-map) = 0.
+/// Compares a checkerboard's irradiance with that of its negative: E(map) + E(-map) = 0.
 double checkerboard_irradiance() {
   const Cubemap plus = checkerboard_cube(33, 1.0F);
   const Cubemap minus = checkerboard_cube(33, -1.0F);
@@ -319,7 +319,7 @@ double prefilter_error(int source, int size) {
   return worst_relative_error(texels(found.cubemap, 0), reference_specular(map.view(), 0.4, texel_centres(size)));
 }
 
-/// A cube of one texel a face, to a lat-long and back.
+/// Resamples a cube of one texel per face to a lat-long and back.
 double round_trip_error() {
   const Cubemap map = noise_cube(1, 8);
   const Cubemap back = to_cubemap(to_lat_long(map.view(), 64, 32, glm::dmat3(1.0), ResampleFilter::area).view(), 1);
@@ -343,7 +343,7 @@ double small_results() {
   return wrong;
 }
 
-/// A chain of one mip is what its own roughness asks for.
+/// A chain of one mip must match the reference of its roughness.
 double one_mip_error(double roughness) {
   const LatLongImage map = noise_lat_long(32, 16, 3);
   PrefilterOptions options{.size = 8, .mips = 1};

@@ -239,8 +239,8 @@ for (const name of ["rgba16f", "rgba32f"]) {
 // --- OpenEXR and Radiance
 const { EXRLoader } = await load("three/examples/jsm/loaders/EXRLoader.js");
 const { HDRLoader } = await load("three/examples/jsm/loaders/HDRLoader.js");
-/** Rows from the top. */
-function picture(parsed) {
+/** Returns rows from the top. */
+function imageOf(parsed) {
   const rgb = rgbOf(parsed.data);
   const row = 3 * parsed.width;
   const turned = [];
@@ -265,10 +265,10 @@ const exr = (file) => {
 for (const file of ["half.exr", "float.exr"]) {
   const parsed = exr(file);
   check(parsed.width === SIZE && parsed.height === 6 * SIZE, `${file}: ${parsed.width} x ${parsed.height}`);
-  same(picture(parsed), openExrFaces(levels[0]), 0, `${file} in three.js`);
+  same(imageOf(parsed), openExrFaces(levels[0]), 0, `${file} in three.js`);
 }
 const latLong = floatsOf("lat_long.f32");
-same(picture(exr("lat_long.exr")), latLong, 0, "lat_long.exr in three.js");
+same(imageOf(exr("lat_long.exr")), latLong, 0, "lat_long.exr in three.js");
 const radiance = new HDRLoader();
 radiance.setDataType(three.FloatType);
 same(rgbOf(radiance.parse(bytesOf("lat_long.hdr").buffer).data), latLong, 1 / 128, "lat_long.hdr in three.js");

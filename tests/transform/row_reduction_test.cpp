@@ -28,7 +28,7 @@ struct Shape {
 /// Halvings of columns: 1, 2, none (the width does not divide by four), 3 and none.
 constexpr Shape kShapes[] = {{768, 384, 64}, {1536, 771, 48}, {1030, 513, 64}, {2048, 200, 60}, {130, 195, 33}};
 
-/// The root of the mean square over all coefficients but the mean's, which would hide the rest.
+/// Returns the root mean square over all coefficients but the mean's, which would hide the rest.
 double rms_of(const Spectrum& spectrum) {
   double squares = 0.0;
   for (int m = 0; m < spectrum.bands(); ++m) {
@@ -39,7 +39,7 @@ double rms_of(const Spectrum& spectrum) {
   return std::sqrt(squares / (3.0 * (spectrum.bands() * spectrum.bands() - 1.0)));
 }
 
-/// By degree: the root of the mean square over the orders of what `a` and `b` differ by.
+/// Returns, by degree, the root mean square over the orders of the difference of `a` and `b`.
 std::vector<double> errors_of(const Spectrum& a, const Spectrum& b) {
   std::vector<double> errors;
   for (int l = 0; l < a.bands(); ++l) {
@@ -52,7 +52,7 @@ std::vector<double> errors_of(const Spectrum& a, const Spectrum& b) {
   return errors;
 }
 
-/// What row_reduction.h says of degree l, its next orders, and float rounding.
+/// Returns the error bound that row_reduction.h states for degree l, with its next orders and float rounding.
 double bound_at(int l, const Shape& shape, double rounding) {
   const ReducedShape reduced = transforms::reduced_shape(shape.width, shape.height, shape.bands);
   const double degree = (l + 2) * std::numbers::pi / reduced.rows;
@@ -62,7 +62,7 @@ double bound_at(int l, const Shape& shape, double rounding) {
   return 1.1 * (rows + columns) + rounding;
 }
 
-/// `scale`: what errors are shares of.
+/// Checks errors relative to `scale`.
 void check_errors(const LatLongImage& image, const Shape& shape, double scale, double rounding) {
   const std::vector<double> errors = errors_of(transforms::analyse(image.view(), shape.bands, {}),
                                                transforms::analyse(image.view(), shape.bands, {}, SourceRows::fewer));
@@ -114,7 +114,7 @@ TEST_CASE("Few rows have the harmonics of all rows", "[transform][reduction]") {
 TEST_CASE("Only sources finer than their bands are brought to fewer rows", "[transform][reduction]") {
   CHECK(transforms::reduced_shape(1024, 512, 415) == ReducedShape{});
   CHECK(transforms::reduced_shape(8192, 4096, 415) == ReducedShape{832, 2048, 2});
-  CHECK(transforms::reduced_shape(8191, 4096, 415) == ReducedShape{});  // half a turn is no whole number of columns
+  CHECK(transforms::reduced_shape(8191, 4096, 415) == ReducedShape{});  // 180 degrees are no whole number of columns
   CHECK(transforms::reduced_shape(8190, 4096, 415) == ReducedShape{832, 8190, 0});
   CHECK(transforms::reduced_shape(2, 4096, 1) == ReducedShape{32, 2, 0});
   const TestLatLong noise = make_lat_long(Content::random, 257, 128, 3);
@@ -149,9 +149,9 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
         const std::vector<float> shares = noise_of(static_cast<std::size_t>(kShares * edges), 6);
         std::vector<float> sums = noise_of(kShares * width, 7);
         std::vector<double> truth(sums.begin(), sums.end());
-        std::array<float*, kShares> places{};
+        std::array<float*, kShares> totals{};
         for (std::size_t k = 0; k < kShares; ++k) {
-          places[k] = sums.data() + k * width;
+          totals[k] = sums.data() + k * width;
           for (std::size_t i = 0; i < width; ++i) {
             for (std::size_t edge = 0; edge < static_cast<std::size_t>(edges); ++edge) {
               const double step = static_cast<double>(rows[(edge + 1) * stride + 3 + i]) - rows[edge * stride + 3 + i];
@@ -161,7 +161,7 @@ TEST_CASE("Steps are shared as the definition says", "[transform][reduction][ker
         }
         std::vector<const float*> pointers;
         for (int row = 0; row <= edges; ++row) pointers.push_back(rows.data() + static_cast<std::size_t>(row) * stride);
-        transforms::fourier_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats}, places.data());
+        transforms::fourier_kernels(set).share_steps({pointers.data(), 3, shares.data(), edges, floats}, totals.data());
         double error = 0.0;
         for (std::size_t i = 0; i < truth.size(); ++i) error = std::max(error, std::abs(truth[i] - sums[i]));
         CHECK(error < 2e-6);
@@ -192,7 +192,7 @@ TEST_CASE("Columns are halved as the definition says", "[transform][reduction][k
   }
 }
 
-// Promise: a dark image has the bits of a bright one, smaller by a power of two. Flushed denormals do not show.
+// Promise: a dark image's results are a bright one's, scaled exactly by a power of two. Flushed denormals do not show.
 
 namespace {
 

@@ -81,7 +81,7 @@ TEST_CASE("Fast lengths are even and have small factors only", "[tables][transfo
   CHECK(transforms::fast_even_length(1025) == 1080);
 }
 
-// The fast transform gives what the definition gives, in double, at any size and number of bands.
+// The fast transform agrees with the definition in double, at any size and number of bands.
 
 namespace {
 
@@ -153,7 +153,7 @@ TEST_CASE("Synthesis gives the sum over the harmonics", "[specular][transform][s
   }
 }
 
-// What the transform must keep at hundreds of bands: energy, symmetry, dark skies beside a sun.
+// Properties that the transform must keep at hundreds of bands: energy, symmetry, dark skies next to a sun.
 
 namespace {
 
@@ -216,7 +216,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
     CHECK(largest_error < 5e-4);                                  // coefficients go up to 40
     CHECK(std::sqrt(squares / (4.0 * std::numbers::pi)) < 6e-4);  // of the background, which is 1
 
-    // And back: far from the sun and near it, against the sum in double of the very same coefficients.
+    // And back: far from the sun and near it, against the sum of the same coefficients in double.
     std::vector<double> lobe;
     for (int l = 0; l < bands; ++l) lobe.push_back(std::exp(-2.0 * alpha * l));
     SphereGrid grid(height, width, GridContent::samples);
@@ -234,13 +234,13 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
         }
         orders.push_back(m > 0 ? 2.0 * sum : sum);
       }
-      for (int place = 7; place < width; place += 97) {
-        const double angle = std::numbers::pi * (1.0 - 2.0 * (place + 0.5) / width);
+      for (int sample = 7; sample < width; sample += 97) {
+        const double angle = std::numbers::pi * (1.0 - 2.0 * (sample + 0.5) / width);
         double truth = 0.0;
         for (int m = 0; m < bands; ++m) {
           truth += (orders[static_cast<std::size_t>(m)] * std::polar(1.0, m * angle)).real();
         }
-        const double difference = std::abs(truth - static_cast<double>(grid.texel(place, ring)[2]));
+        const double difference = std::abs(truth - static_cast<double>(grid.texel(sample, ring)[2]));
         error = std::max(error, difference / std::max(1.0, std::abs(truth)));
       }
     }
@@ -249,7 +249,7 @@ TEST_CASE("A sun of a million leaves the sky beside it right", "[specular][trans
 }
 
 TEST_CASE("Many bands begin where they should", "[specular][transform][slow]") {
-  // 1536 bands, the most there are, on few rings: every function that matters is there, however small it begins.
+  // 1536 bands, the maximum, on few rings: every function that matters is there, however small it begins.
   const int bands = 1536;
   transforms::Spectrum spectrum(bands);
   const int degree = bands - 1;

@@ -15,14 +15,14 @@ def matte(light, level):
 
 def main():
     options = arguments(__doc__.splitlines()[0], "first", "second")
-    pictures = [light_of(options.first, 8.0, 100.0), light_of(options.second, 45.0, -40.0)]
+    images = [light_of(options.first, 8.0, 100.0), light_of(options.second, 45.0, -40.0)]
     names = [path.stem if path else f"sky, sun at {height}°"
              for path, height in ((options.first, 8), (options.second, 45))]  # fmt: skip
-    lights = [welkin.bake(pixels, specular={"size": 128, "mips": 5}, brdf=False) for pixels in pictures]
+    lights = [welkin.bake(pixels, specular={"size": 128, "mips": 5}, brdf=False) for pixels in images]
     levels = [light.radiance.mean @ (0.2126, 0.7152, 0.0722) for light in lights]
 
     figure, rows = plt.subplots(3, 4, figsize=(12, 6), gridspec_kw={"width_ratios": [2, 1, 2, 2]}, layout="constrained")
-    for row, light, pixels, name, level in zip(rows, lights, pictures, names, levels):
+    for row, light, pixels, name, level in zip(rows, lights, images, names, levels):
         show(row[0], pixels, f"{name}: mean {number(level)}", 192)
         row[1].imshow(matte(light, level))
         row[1].set_title("a matte sphere", fontsize=8)

@@ -27,17 +27,17 @@ def skies(folder):
 
 
 def draw(axes, path):
-    """A cell of the sheet: the picture, with the sphere in its corner."""
+    """A cell of the sheet: the image, with the sphere in its corner."""
     try:
-        picture = welkin.read(path)
+        image = welkin.read(path)
     except welkin.Error as error:
         axes.text(0.5, 0.5, f"{path.name}\n{error.code}", ha="center", va="center", color="firebrick")
         axes.set_axis_off()
         return
-    radiance = welkin.project(picture).radiance
+    radiance = welkin.project(image).radiance
     luminance = max(radiance.mean @ (0.2126, 0.7152, 0.0722), 1e-30)
-    show(axes, picture, f"{path.name}\n{picture.info['width']} x {picture.info['height']}, {picture.info['format']}, "
-                        f"mean {number(luminance)}", 192)  # fmt: skip
+    show(axes, image, f"{path.name}\n{image.info['width']} x {image.info['height']}, {image.info['format']}, "
+                      f"mean {number(luminance)}", 192)  # fmt: skip
     normals, inside = sphere(96)
     seen = srgb(0.4 * radiance.irradiance()(normals) / np.pi / luminance)
     corner = axes.inset_axes([0.0, 0.0, 0.25, 0.5])

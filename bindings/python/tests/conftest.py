@@ -10,7 +10,7 @@ def rng():
 
 
 @pytest.fixture
-def picture(rng):
+def image(rng):
     """A lat-long of 64 x 32 with a bright spot."""
     pixels = rng.random((32, 64, 3), dtype=np.float32)
     pixels[9, 20] = 50

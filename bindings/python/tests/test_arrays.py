@@ -58,19 +58,19 @@ def test_layouts_are_the_same_cubemap(size, bottom_up, kind, channels):
     }
     expected = coefficients(faces)
     assert (coefficients(list(faces)) == expected).all()
-    for layout, picture in layouts.items():
+    for layout, image in layouts.items():
         if bottom_up:
-            picture = np.ascontiguousarray(picture[::-1])[::-1]
-            assert picture.strides[0] < 0 or picture.shape[0] == 1
-        assert (coefficients(picture, layout=layout) == expected).all(), layout
+            image = np.ascontiguousarray(image[::-1])[::-1]
+            assert image.strides[0] < 0 or image.shape[0] == 1
+        assert (coefficients(image, layout=layout) == expected).all(), layout
 
 
-def test_rows_may_lie_apart_or_bottom_up(picture):
-    expected = coefficients(picture)
+def test_rows_may_lie_apart_or_bottom_up(image):
+    expected = coefficients(image)
     wide = np.zeros((32, 70, 3), np.float32)
-    wide[:, 3:67] = picture
+    wide[:, 3:67] = image
     assert (coefficients(wide[:, 3:67]) == expected).all()
-    assert (coefficients(np.ascontiguousarray(picture[::-1])[::-1]) == expected).all()
+    assert (coefficients(np.ascontiguousarray(image[::-1])[::-1]) == expected).all()
 
 
 @pytest.mark.parametrize(
@@ -83,19 +83,19 @@ def test_rows_may_lie_apart_or_bottom_up(picture):
         lambda p: np.concatenate([p, p[..., :1]], axis=-1)[..., :3],
     ],
 )
-def test_other_strides_are_refused_and_said(picture, view):
+def test_other_strides_are_refused_and_said(image, view):
     with pytest.raises(welkin.InvalidArgument, match="ascontiguousarray"):
-        welkin.project(view(picture))
-    welkin.project(np.ascontiguousarray(view(picture)))
+        welkin.project(view(image))
+    welkin.project(np.ascontiguousarray(view(image)))
 
 
-def test_misaligned_values_are_refused_and_said(picture):
-    shifted = np.frombuffer(bytearray(b"x" + picture.tobytes()), np.uint8)[1:]
-    misaligned = shifted.view(picture.dtype).reshape(picture.shape)
+def test_misaligned_values_are_refused_and_said(image):
+    shifted = np.frombuffer(bytearray(b"x" + image.tobytes()), np.uint8)[1:]
+    misaligned = shifted.view(image.dtype).reshape(image.shape)
     with pytest.raises(welkin.InvalidArgument, match="multiples of their 4 bytes"):
         welkin.project(misaligned)
     again = welkin.project(np.array(misaligned)).radiance.coefficients
-    np.testing.assert_array_equal(again, welkin.project(picture).radiance.coefficients)
+    np.testing.assert_array_equal(again, welkin.project(image).radiance.coefficients)
 
 
 @pytest.mark.parametrize(
@@ -120,23 +120,23 @@ def test_wrong_pixels_are_said(pixels, words):
     assert caught.value.code == "invalid_argument" and isinstance(caught.value, ValueError)
 
 
-def test_wrong_arguments_are_said(picture, faces):
+def test_wrong_arguments_are_said(image, faces):
     with pytest.raises(TypeError, match=r'takes no argument "band" \(did you mean "bands"\?\); it takes bands'):
-        welkin.project(picture, band=2)
+        welkin.project(image, band=2)
     with pytest.raises(TypeError, match=r"project\(bands=...\)"):
-        welkin.project(picture, bands="many")
+        welkin.project(image, bands="many")
     with pytest.raises(welkin.InvalidArgument, match='"exact", "midpoint"'):
-        welkin.project(picture, quadrature="other")
+        welkin.project(image, quadrature="other")
     with pytest.raises(welkin.InvalidArgument, match="bands"):
-        welkin.project(picture, bands=17)
+        welkin.project(image, bands=17)
     with pytest.raises(welkin.InvalidArgument, match="4 n x 3 n"):
-        welkin.project(picture, layout="horizontal-cross")
+        welkin.project(image, layout="horizontal-cross")
     with pytest.raises(welkin.InvalidArgument, match="three dimensions"):
         welkin.project(faces, layout="lat-long")
     with pytest.raises(TypeError, match="numpy array"):
         welkin.project(7)
     with pytest.raises(TypeError, match='takes no "sizes"'):
-        welkin.bake(picture, specular={"sizes": 3})
+        welkin.bake(image, specular={"sizes": 3})
 
 
 def test_no_copy_goes_in():
@@ -156,8 +156,8 @@ def rss():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def test_no_copy_comes_out(picture):
-    chain = welkin.prefilter(picture, size=32)
+def test_no_copy_comes_out(image):
+    chain = welkin.prefilter(image, size=32)
     first = chain.levels[0]
     assert np.shares_memory(first, chain.levels[0]) and np.shares_memory(first, chain[0])
     assert not np.shares_memory(first, chain[1])
@@ -170,10 +170,10 @@ def test_no_copy_comes_out(picture):
         table.values[0] = 1
 
 
-def test_arrays_outlive_what_they_came_from(picture):
-    level = welkin.prefilter(picture, size=32)[2]
+def test_arrays_outlive_what_they_came_from(image):
+    level = welkin.prefilter(image, size=32)[2]
     kept = level.copy()
-    light = welkin.bake(picture, specular=False, brdf=False).irradiance
+    light = welkin.bake(image, specular=False, brdf=False).irradiance
     sums = light.copy()
     gc.collect()
     churn = [np.random.random(level.size) for _ in range(50)]

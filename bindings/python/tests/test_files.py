@@ -8,19 +8,19 @@ import truth
 import welkin
 
 
-def test_a_picture_comes_back(picture, faces, tmp_path):
+def test_a_picture_comes_back(image, faces, tmp_path):
     for name in ("sky.pfm", "sky.exr"):
-        welkin.write(tmp_path / name, picture, type="float")
+        welkin.write(tmp_path / name, image, type="float")
         found = welkin.read(str(tmp_path / name))
-        assert (found.pixels == picture).all() and np.shares_memory(np.asarray(found), found.pixels)
+        assert (found.pixels == image).all() and np.shares_memory(np.asarray(found), found.pixels)
     assert found.info["format"] == "OpenEXR" and (found.info["width"], found.info["height"]) == (64, 32)
     report = welkin.write(tmp_path / "cube.exr", faces, "vertical-strip", type="float")
     assert report == {"files": [tmp_path / "cube.exr"], "values_clamped": 0}
     assert (welkin.read(tmp_path / "cube.exr").pixels == faces).all()
 
 
-def test_bytes_are_files(picture, tmp_path):
-    bytes_ = welkin.encode("sky.hdr", picture)
+def test_bytes_are_files(image, tmp_path):
+    bytes_ = welkin.encode("sky.hdr", image)
     (tmp_path / "sky.hdr").write_bytes(bytes_)
     assert (welkin.read(bytes_).pixels == welkin.read(tmp_path / "sky.hdr").pixels).all()
     streamed = welkin.project(bytes_).radiance.coefficients
@@ -33,8 +33,8 @@ def test_bytes_are_files(picture, tmp_path):
     assert welkin.bake(tmp_path / "sky.hdr", plan=plan).specular is None
 
 
-def test_textures_come_back(picture, tmp_path):
-    chain = welkin.prefilter(picture, size=16)
+def test_textures_come_back(image, tmp_path):
+    chain = welkin.prefilter(image, size=16)
     for name in ("sky.ktx2", "sky.dds"):
         welkin.write_texture(tmp_path / name, chain, format="rgba32f")
         found = welkin.read_texture(tmp_path / name)
@@ -43,28 +43,28 @@ def test_textures_come_back(picture, tmp_path):
     found = welkin.read_texture(tmp_path / "list.ktx2")
     assert found.metadata["who"] == "me" and "zstd" in found.format
     welkin.write_texture(tmp_path / "brdf.ktx2", welkin.brdf_table())
-    whole = welkin.prefilter(picture, size=16, mips=5)
-    welkin.write_env(tmp_path / "sky.env", whole, welkin.project(picture).radiance)
+    whole = welkin.prefilter(image, size=16, mips=5)
+    welkin.write_env(tmp_path / "sky.env", whole, welkin.project(image).radiance)
     assert welkin.inspect(tmp_path / "sky.env")["format"] == "Babylon.js .env"
 
 
-def test_errors_have_codes(picture, tmp_path):
+def test_errors_have_codes(image, tmp_path):
     with pytest.raises(FileNotFoundError) as caught:
         welkin.read(tmp_path / "none.hdr")
     assert isinstance(caught.value, welkin.FileAccess) and caught.value.code == "file_access"
     assert caught.value.errno == 2 and "none.hdr" in str(caught.value)
     with pytest.raises(welkin.UnsupportedFile):
         welkin.read(b"nothing that is a picture")
-    whole = welkin.encode("sky.pfm", picture)
+    whole = welkin.encode("sky.pfm", image)
     with pytest.raises(welkin.CorruptFile) as caught:
         welkin.read(whole[: len(whole) // 2])
     assert caught.value.code == "corrupt_file"
     with pytest.raises(welkin.LimitExceeded):
         welkin.read(whole, memory_limit=100)
     with pytest.raises(welkin.FileAccess):
-        welkin.write(tmp_path / "no" / "folder.exr", picture)
+        welkin.write(tmp_path / "no" / "folder.exr", image)
     with pytest.raises(welkin.UnsupportedFile):
-        welkin.write(tmp_path / "sky.bmp", picture)
+        welkin.write(tmp_path / "sky.bmp", image)
     with pytest.raises(TypeError, match="path or bytes"):
         welkin.read(7)
 
@@ -78,7 +78,7 @@ def test_every_code_of_the_librarys_has_an_exception():
         assert type(error).code == code and str(error) == "the reason"
 
 
-def test_paths_with_other_letters(picture, tmp_path):
+def test_paths_with_other_letters(image, tmp_path):
     path = tmp_path / "Himmel über Köln 空.pfm"
-    welkin.write(path, picture)
-    assert (welkin.read(path).pixels == picture).all() and welkin.read(path).info["path"] == pathlib.Path(path)
+    welkin.write(path, image)
+    assert (welkin.read(path).pixels == image).all() and welkin.read(path).info["path"] == pathlib.Path(path)

@@ -63,19 +63,19 @@ def test_an_object_is_initialised_once():
             welkin.SphericalHarmonics.__init__(other, 3)
 
 
-def test_harmonics_are_pickled_and_copied(picture):
+def test_harmonics_are_pickled_and_copied(image):
     class Named(welkin.SphericalHarmonics):
         pass
 
-    light = welkin.project(picture).radiance
+    light = welkin.project(image).radiance
     for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
         assert pickle.loads(pickle.dumps(light, protocol)) == light
     assert copy.copy(light) == light and copy.deepcopy([light]) == [light]
     assert light.__reduce__()[0] is welkin.SphericalHarmonics and Named(2).__reduce__()[0] is Named
 
 
-def test_harmonics_compare_divide_and_add_up(picture):
-    light = welkin.project(picture).radiance
+def test_harmonics_compare_divide_and_add_up(image):
+    light = welkin.project(image).radiance
     assert light == copy.copy(light) and light != 2 * light and light != light.resized(2) and light != 3
     with pytest.raises(TypeError, match="unhashable"):
         hash(light)  # their coefficients may be written to
@@ -88,8 +88,8 @@ def test_harmonics_compare_divide_and_add_up(picture):
             wrong()
 
 
-def test_harmonics_are_a_sequence_of_coefficients(picture):
-    light = welkin.project(picture).radiance
+def test_harmonics_are_a_sequence_of_coefficients(image):
+    light = welkin.project(image).radiance
     assert len(light) == 9
     assert (light[3] == light.coefficients[3]).all() and (light[-1] == light.coefficients[8]).all()
     assert light[1:4].shape == (3, 3) and len(list(light)) == 9
@@ -99,14 +99,14 @@ def test_harmonics_are_a_sequence_of_coefficients(picture):
         light[9]
 
 
-def test_directions_of_any_length_are_normalised_everywhere(picture, small_sky):
-    light = welkin.project(picture).radiance
-    table = welkin.importance_table(picture)
+def test_directions_of_any_length_are_normalised_everywhere(image, small_sky):
+    light = welkin.project(image).radiance
+    table = welkin.importance_table(image)
     calls = {
         "light": light,
         "basis": welkin.basis,
-        "direct_irradiance": lambda d: welkin.direct_irradiance(picture, d),
-        "reference_specular": lambda d: welkin.reference_specular(picture, 0.5, d),
+        "direct_irradiance": lambda d: welkin.direct_irradiance(image, d),
+        "reference_specular": lambda d: welkin.reference_specular(image, 0.5, d),
         "density": table.density,
         "octahedral_encode": welkin.octahedral_encode,
         "radiance": lambda d: small_sky.radiance(d, (0, 1, 0)),
@@ -130,19 +130,19 @@ def test_chains_have_slices(faces):
         chain["a"]
 
 
-def test_messages_say_what_would_do(picture):
+def test_messages_say_what_would_do(image):
     with pytest.raises(TypeError, match=r'bake\(specular={...}\) takes no "sise" \(did you mean "size"\?\); it takes '):
-        welkin.bake(picture, specular={"sise": 64})
+        welkin.bake(image, specular={"sise": 64})
     with pytest.raises(TypeError, match=r'bake\(specular={"size": ...}\) takes a whole number, found \'256\''):
-        welkin.bake(picture, specular={"size": "256"})
+        welkin.bake(image, specular={"size": "256"})
     with pytest.raises(TypeError, match=r"bake\(brdf=...\) takes True, False or a dictionary of options, found 3"):
-        welkin.bake(picture, brdf=3)
+        welkin.bake(image, brdf=3)
     with pytest.raises(TypeError, match=r'prefilter\(\) takes no argument "ruoghness" \(did you mean "roughness"\?\)'):
-        welkin.prefilter(picture, ruoghness=0.5)
+        welkin.prefilter(image, ruoghness=0.5)
     with pytest.raises(welkin.InvalidArgument, match=r'"spectrall" is none of .* \(did you mean "spectral"\?\)'):
-        welkin.prefilter(picture, method="spectrall")
+        welkin.prefilter(image, method="spectrall")
     with pytest.raises(welkin.InvalidArgument, match=r"found a Projection; pass its \.radiance"):
-        welkin.engine_light(welkin.project(picture), "unity")
+        welkin.engine_light(welkin.project(image), "unity")
     with pytest.raises(TypeError, match=r"directions of shape \(..., 3\), as in light\(\(0, 1, 0\)\); found 3"):
         welkin.SphericalHarmonics(3)(0, 1, 0)
     light = welkin.SphericalHarmonics(3)
@@ -151,13 +151,13 @@ def test_messages_say_what_would_do(picture):
         welkin.engine_light(light, "unitty")
 
 
-def test_files_stand_wherever_pixels_do(picture, faces, tmp_path):
+def test_files_stand_wherever_pixels_do(image, faces, tmp_path):
     path = tmp_path / "sky.pfm"
-    welkin.write(path, picture)
+    welkin.write(path, image)
     cube = tmp_path / "cube.pfm"
     welkin.write(cube, faces, "vertical-strip")
     file = path.read_bytes()
-    table = welkin.importance_table(picture)
+    table = welkin.importance_table(image)
     calls = {
         "prefilter": lambda pixels: welkin.prefilter(pixels, size=8)[1],
         "irradiance": lambda pixels: welkin.irradiance(pixels).harmonics.coefficients,
@@ -174,7 +174,7 @@ def test_files_stand_wherever_pixels_do(picture, faces, tmp_path):
     }
     for name, call in calls.items():
         for pixels in (path, str(path), file):
-            np.testing.assert_array_equal(call(pixels), call(picture), err_msg=name)
+            np.testing.assert_array_equal(call(pixels), call(image), err_msg=name)
     np.testing.assert_array_equal(welkin.build_mips(cube)[0], faces)
     np.testing.assert_array_equal(
         welkin.project_many([cube, faces]).coefficients, welkin.project_many([faces, faces]).coefficients

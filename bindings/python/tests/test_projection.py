@@ -8,11 +8,11 @@ from hypothesis.extra import numpy as arrays
 import truth
 import welkin
 
-small_pictures = arrays.arrays(np.float32, (4, 8, 3), elements=st.floats(0, 100, width=32))
+small_images = arrays.arrays(np.float32, (4, 8, 3), elements=st.floats(0, 100, width=32))
 
 
 @settings(max_examples=30, deadline=None)
-@given(small_pictures)
+@given(small_images)
 def test_projection_of_a_lat_long_is_its_explicit_sum(pixels):
     expected = truth.project_lat_long(pixels, fine=32)
     found = welkin.project(pixels).radiance.coefficients
@@ -27,7 +27,7 @@ def test_projection_of_faces_is_their_explicit_sum(rng):
 
 
 @settings(max_examples=20, deadline=None)
-@given(small_pictures, small_pictures, st.floats(0, 4, width=32))
+@given(small_images, small_images, st.floats(0, 4, width=32))
 def test_projection_is_linear(a, b, factor):
     factor = np.float32(factor)
     of = lambda pixels: welkin.project(pixels).radiance.coefficients  # noqa: E731
@@ -43,15 +43,15 @@ def test_basis_is_that_of_numpy(rng):
     np.testing.assert_allclose(found, truth.basis(directions), atol=1e-13)
 
 
-def test_a_turned_picture_has_turned_coefficients(picture):
-    quarter = np.roll(picture, 16, axis=1)  # texels move right by a quarter
+def test_a_turned_picture_has_turned_coefficients(image):
+    quarter = np.roll(image, 16, axis=1)  # texels move right by a quarter
     turn = np.round(welkin.rotation_about_y(-90.0))
     expected = welkin.project(quarter).radiance.coefficients
-    assert truth.relative(welkin.project(picture).radiance.rotate(turn).coefficients, expected) < 1e-6
+    assert truth.relative(welkin.project(image).radiance.rotate(turn).coefficients, expected) < 1e-6
 
 
-def test_turns_keep_power_and_values(picture, rng):
-    harmonics = welkin.project(picture, bands=5).radiance
+def test_turns_keep_power_and_values(image, rng):
+    harmonics = welkin.project(image, bands=5).radiance
     turn = truth.rotation(rng)
     turned = harmonics.rotate(turn)
     for band in range(5):
@@ -63,8 +63,8 @@ def test_turns_keep_power_and_values(picture, rng):
     np.testing.assert_allclose(turned(directions @ turn.T), harmonics(directions), rtol=1e-10, atol=1e-12)
 
 
-def test_a_quaternion_is_its_matrix(picture):
-    harmonics = welkin.project(picture).radiance
+def test_a_quaternion_is_its_matrix(image):
+    harmonics = welkin.project(image).radiance
     half = np.radians(70) / 2
     by_quaternion = harmonics.rotate((2 * np.cos(half), 0, 2 * np.sin(half), 0))
     np.testing.assert_allclose(
@@ -95,8 +95,8 @@ def test_irradiance_by_bands_is_the_direct_one_on_smooth_light():
     assert welkin.irradiance(pixels, size=4, method="direct").cubemap.shape == (6, 4, 4, 3)
 
 
-def test_bands_add_up(picture):
-    a = welkin.project(picture).radiance
+def test_bands_add_up(image):
+    a = welkin.project(image).radiance
     twice = a + a
     np.testing.assert_allclose(twice.coefficients, (2 * a).coefficients)
     np.testing.assert_allclose((twice - a).coefficients, a.coefficients)
@@ -121,25 +121,25 @@ def test_a_window_leaves_no_negative_irradiance():
     assert direction @ expected > 0.99
 
 
-def test_coefficients_are_the_objects_own(picture):
-    harmonics = welkin.project(picture).radiance
+def test_coefficients_are_the_objects_own(image):
+    harmonics = welkin.project(image).radiance
     harmonics.coefficients[0] = 7
     assert (harmonics.coefficients[0] == 7).all()
     assert np.shares_memory(np.asarray(harmonics), harmonics.coefficients)
 
 
-def test_policy_counts_and_rejects(picture):
-    picture[0, 0, 0] = np.nan
-    picture[1, 1, 1] = -1
-    found = welkin.project(picture, policy=welkin.PixelPolicy(negative="replace", clamp=10)).diagnostics
+def test_policy_counts_and_rejects(image):
+    image[0, 0, 0] = np.nan
+    image[1, 1, 1] = -1
+    found = welkin.project(image, policy=welkin.PixelPolicy(negative="replace", clamp=10)).diagnostics
     assert (found.nans_replaced, found.negatives_replaced, found.texels_clamped) == (1, 1, 1)
     with pytest.raises(welkin.RejectedPixel, match="row 0") as caught:
-        welkin.project(picture, policy=welkin.PixelPolicy(nan="reject"))
+        welkin.project(image, policy=welkin.PixelPolicy(nan="reject"))
     assert caught.value.code == "rejected_pixel" and isinstance(caught.value, welkin.Error)
 
 
-def test_engine_forms_have_their_formulas(picture):
-    radiance = welkin.project(picture).radiance
+def test_engine_forms_have_their_formulas(image):
+    radiance = welkin.project(image).radiance
     unity = welkin.engine_light(radiance, "unity")
     irradiance = radiance.irradiance()
     # The shader's sum for a normal of Unity's, which is Welkin's by the convention.

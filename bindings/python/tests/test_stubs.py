@@ -59,43 +59,43 @@ def test_wrong_programs_are_refused(tmp_path):
         assert any(f"[{kind}]" in line for line in found for kind in kinds.split("|")), (wrong, found)
 
 
-def test_signatures_name_the_options_that_calls_take(picture, faces, small_sky, tmp_path):
-    file = welkin.encode("sky.pfm", picture)
+def test_signatures_name_the_options_that_calls_take(image, faces, small_sky, tmp_path):
+    file = welkin.encode("sky.pfm", image)
     cube = welkin.encode("cube.pfm", faces, "vertical-strip")
-    table, sun = welkin.importance_table(picture), (0, 0.5, 1)
+    table, sun = welkin.importance_table(image), (0, 0.5, 1)
     calls = {
-        welkin.project: [(picture,), (file,)],
-        welkin.irradiance: [(picture,), (file,)],
-        welkin.direct_irradiance: [(picture, sun), (file, sun)],
-        welkin.prefilter: [(picture,), (file,)],
-        welkin.reference_specular: [(picture, 0.5, sun), (file, 0.5, sun)],
+        welkin.project: [(image,), (file,)],
+        welkin.irradiance: [(image,), (file,)],
+        welkin.direct_irradiance: [(image, sun), (file, sun)],
+        welkin.prefilter: [(image,), (file,)],
+        welkin.reference_specular: [(image, 0.5, sun), (file, 0.5, sun)],
         welkin.brdf_table: [()],
         welkin.build_mips: [(faces,), (file,)],
         welkin.to_octahedral: [(welkin.SphericalHarmonics(3),)],
-        welkin.bake: [(picture,), (file,)],
+        welkin.bake: [(image,), (file,)],
         welkin.project_many: [([faces],), ([],), ([cube],)],
         welkin.bake_many: [([faces],), ([],), ([cube],)],
         welkin.bake_probes: [([faces],), ([],), ([cube],)],
         welkin.relocate_probes: [(np.ones((1, 6, 2, 2), np.float32),)],
         welkin.sun_position: [("2026-06-21T18:30Z", 52.5, 13.4)],
-        welkin.plan: [(picture,), (file,)],
-        welkin.importance_table: [(picture,), (file,)],
+        welkin.plan: [(image,), (file,)],
+        welkin.importance_table: [(image,), (file,)],
         welkin.sky: [()],
         welkin.load_sky: [(tmp_path / "sky",)],
         welkin.read: [(file,)],
         welkin.inspect: [(file,)],
         welkin.measure: [(file,)],
-        welkin.write: [(tmp_path / "sky.pfm", picture), (tmp_path / "sky.pfm", file)],
-        welkin.encode: [("sky.pfm", picture), ("sky.pfm", file)],
+        welkin.write: [(tmp_path / "sky.pfm", image), (tmp_path / "sky.pfm", file)],
+        welkin.encode: [("sky.pfm", image), ("sky.pfm", file)],
         welkin.read_texture: [(file,)],
         welkin.write_texture: [(tmp_path / "sky.ktx2", faces), (tmp_path / "sky.ktx2", cube)],
-        welkin.to_cubemap: [(picture, 4), (file, 4)],
-        welkin.to_lat_long: [(picture, 4), (file, 4)],
-        welkin.preview: [(picture,), (file,)],
-        welkin.tone_mapped: [(picture,), (file,)],
+        welkin.to_cubemap: [(image, 4), (file, 4)],
+        welkin.to_lat_long: [(image, 4), (file, 4)],
+        welkin.preview: [(image,), (file,)],
+        welkin.tone_mapped: [(image,), (file,)],
         table.alias: [()],
         table.pyramid: [()],
-        table.variance: [(picture,), (file,)],
+        table.variance: [(image,), (file,)],
         small_sky.harmonics: [(sun,)],
         small_sky.curve: [()],
         small_sky.cubemap: [(sun, 4)],

@@ -6,12 +6,12 @@ import truth
 import welkin
 
 
-def test_a_tables_probabilities_are_luminance_by_solid_angle(picture):
-    table = welkin.importance_table(picture)
+def test_a_tables_probabilities_are_luminance_by_solid_angle(image):
+    table = welkin.importance_table(image)
     assert (table.width, table.height) == (64, 32)
     edges = np.sin(np.pi / 2 - np.pi * np.arange(33) / 32)
     solid = (2 * np.pi / 64) * (edges[:-1] - edges[1:])[:, None]
-    expected = picture.astype(float) @ (0.2126, 0.7152, 0.0722) * solid
+    expected = image.astype(float) @ (0.2126, 0.7152, 0.0722) * solid
     np.testing.assert_allclose(table.function, expected, rtol=1e-5)
     assert table.integral == pytest.approx(expected.sum())
     np.testing.assert_allclose(np.diff(table.row_cdf), expected.sum(axis=1) / expected.sum(), atol=1e-6)
@@ -21,8 +21,8 @@ def test_a_tables_probabilities_are_luminance_by_solid_angle(picture):
     assert np.shares_memory(table.function, table.function)
 
 
-def test_samples_are_by_the_density(picture, rng):
-    table = welkin.importance_table(picture)
+def test_samples_are_by_the_density(image, rng):
+    table = welkin.importance_table(image)
     across, down = rng.random((2, 50, 40))
     directions, densities = table.sample(across, down)
     assert directions.shape == (50, 40, 3) and densities.shape == (50, 40)
@@ -44,8 +44,8 @@ def test_samples_are_by_the_density(picture, rng):
         table.sample([0.1, 0.2], 0.5)
 
 
-def test_other_ways_of_picking_have_the_same_probabilities(picture):
-    table = welkin.importance_table(picture, width=16, height=8, weight="largest")
+def test_other_ways_of_picking_have_the_same_probabilities(image):
+    table = welkin.importance_table(image, width=16, height=8, weight="largest")
     rows, columns = table.alias()
     assert rows.shape == (8,) and columns.shape == (8, 16) and rows.dtype.names == ("own", "other")
     found = rows["own"] / 8
@@ -55,18 +55,18 @@ def test_other_ways_of_picking_have_the_same_probabilities(picture):
     assert [level.shape for level in levels] == [(8, 16), (4, 8), (2, 4), (1, 2), (1, 1)]
     np.testing.assert_allclose(levels[0], table.function / table.integral, rtol=1e-5)
     np.testing.assert_allclose(levels[1], levels[0].reshape(4, 2, 8, 2).sum(axis=(1, 3)), rtol=1e-5)
-    uniform, by_table = table.variance(picture, weight="largest")
+    uniform, by_table = table.variance(image, weight="largest")
     assert 0 < by_table < uniform
     with pytest.raises(welkin.InvalidArgument, match="lat-long"):
         welkin.importance_table(np.ones((6, 4, 4, 3), np.float32))
 
 
-def test_compensated_tables_leave_dim_light_out(picture):
-    assert (welkin.importance_table(picture, mis_compensation=True).function == 0).sum() > 500
+def test_compensated_tables_leave_dim_light_out(image):
+    assert (welkin.importance_table(image, mis_compensation=True).function == 0).sum() > 500
 
 
-def test_an_octahedral_map_has_the_light_where_its_place_says(picture):
-    radiance = welkin.project(picture).radiance
+def test_an_octahedral_map_has_the_light_where_its_place_says(image):
+    radiance = welkin.project(image).radiance
     octahedral = welkin.to_octahedral(radiance, size=64, border=2)
     (level,) = octahedral.levels
     assert level.shape == (64, 64, 3) and (octahedral.size, octahedral.border, len(octahedral)) == (64, 2, 1)
@@ -80,55 +80,55 @@ def test_an_octahedral_map_has_the_light_where_its_place_says(picture):
     )
 
 
-def test_octahedral_maps_of_chains_are_written(picture, tmp_path):
-    chain = welkin.prefilter(picture, size=32)
+def test_octahedral_maps_of_chains_are_written(image, tmp_path):
+    chain = welkin.prefilter(image, size=32)
     octahedral = welkin.to_octahedral(chain, size=64, levels=3)
     assert [len(level) for level in octahedral.levels] == [64, 32, 16]
     report = welkin.write_texture(tmp_path / "map.ktx2", octahedral, format="rgba32f")
     assert report["values_clamped"] == 0 and (tmp_path / "map.ktx2").stat().st_size > 64 * 64 * 16
     with pytest.raises(TypeError, match="Chain"):
-        welkin.to_octahedral(picture)
+        welkin.to_octahedral(image)
     with pytest.raises(welkin.InvalidArgument):
         welkin.to_octahedral(chain, size=63, levels=3)
 
 
-def test_the_lambert_lobe_gives_irradiance_over_pi(picture):
-    chain = welkin.prefilter(picture, size=8, lobes=[welkin.ZonalLobe.lambert()])
-    expected = welkin.irradiance(picture, size=8, method="direct").cubemap / np.pi
+def test_the_lambert_lobe_gives_irradiance_over_pi(image):
+    chain = welkin.prefilter(image, size=8, lobes=[welkin.ZonalLobe.lambert()])
+    expected = welkin.irradiance(image, size=8, method="direct").cubemap / np.pi
     np.testing.assert_allclose(chain[0], expected, rtol=5e-3)
 
 
-def test_kernels_are_functions_or_spectra(picture):
+def test_kernels_are_functions_or_spectra(image):
     phong = welkin.ZonalLobe.phong(3.0)
     mine = welkin.ZonalLobe.from_function(lambda cosine: max(cosine, 0.0) ** 3)
     cosines = np.linspace(-1, 1, 9)
     np.testing.assert_allclose(mine.value(cosines), phong.value(cosines), atol=1e-6)
     np.testing.assert_allclose(phong.value(cosines), 4 / (2 * np.pi) * np.clip(cosines, 0, None) ** 3, atol=1e-9)
     np.testing.assert_allclose(mine.spectrum(6), phong.spectrum(6), atol=1e-6)
-    constant = welkin.prefilter(picture, size=4, lobes=[welkin.ZonalLobe.from_spectrum([1.0])])[0]
+    constant = welkin.prefilter(image, size=4, lobes=[welkin.ZonalLobe.from_spectrum([1.0])])[0]
     np.testing.assert_allclose(
-        constant, np.broadcast_to(welkin.project(picture).radiance.mean, constant.shape), rtol=1e-3
+        constant, np.broadcast_to(welkin.project(image).radiance.mean, constant.shape), rtol=1e-3
     )
     directions, _ = truth.cubemap_directions(4)
-    reference = welkin.reference_specular(picture, phong, directions)
-    assert truth.relative(welkin.prefilter(picture, size=4, lobes=[phong])[0], reference) < 5e-3
+    reference = welkin.reference_specular(image, phong, directions)
+    assert truth.relative(welkin.prefilter(image, size=4, lobes=[phong])[0], reference) < 5e-3
     assert welkin.ZonalLobe.charlie(0.4).roughness == 0.4 and phong.roughness == 0
     roughness = [0.1, 0.3, 1.0]
-    sheen = welkin.prefilter(picture, size=64, lobes=[welkin.ZonalLobe.charlie(r) for r in roughness])
+    sheen = welkin.prefilter(image, size=64, lobes=[welkin.ZonalLobe.charlie(r) for r in roughness])
     np.testing.assert_allclose([mip.roughness for mip in sheen.mips], roughness)
 
 
-def test_wrong_kernels_are_said(picture):
+def test_wrong_kernels_are_said(image):
     with pytest.raises(welkin.InvalidArgument, match="roughness"):
-        welkin.prefilter(picture, lobes=[welkin.ZonalLobe.lambert()], roughness=[0.5])
+        welkin.prefilter(image, lobes=[welkin.ZonalLobe.lambert()], roughness=[0.5])
     with pytest.raises(TypeError, match="lobes"):
-        welkin.prefilter(picture, lobes=[0.5])
+        welkin.prefilter(image, lobes=[0.5])
     with pytest.raises(welkin.InvalidArgument):
         welkin.ZonalLobe.phong(-1)
     with pytest.raises(ZeroDivisionError):
         welkin.ZonalLobe.from_function(lambda cosine: 1 / 0)
     with pytest.raises(TypeError, match="ZonalLobe"):
-        welkin.reference_specular(picture, "rough", [(0, 1, 0)])
+        welkin.reference_specular(image, "rough", [(0, 1, 0)])
 
 
 def test_a_level_of_a_chain_is_projected_for_a_target_size(faces):
@@ -179,10 +179,10 @@ def test_many_bakes_are_single_ones(rng, kind):
             welkin.bake_many(probes, **{"size": 8, **wrong})
 
 
-def test_these_objects_say_what_they_are(picture, faces):
+def test_these_objects_say_what_they_are(image, faces):
     objects = [
-        welkin.importance_table(picture),
-        welkin.to_octahedral(welkin.project(picture).radiance),
+        welkin.importance_table(image),
+        welkin.to_octahedral(welkin.project(image).radiance),
         welkin.ZonalLobe.charlie(0.3),
         welkin.bake_many([faces], size=4),
     ]

@@ -7,9 +7,9 @@ import welkin
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "docs" / "tutorials" / "python.md"
 
 
-def test_the_cells_of_the_tutorial_run(tmp_path, monkeypatch, picture):
+def test_the_cells_of_the_tutorial_run(tmp_path, monkeypatch, image):
     monkeypatch.chdir(tmp_path)
-    welkin.write("sample.hdr", picture)
+    welkin.write("sample.hdr", image)
     cells = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
     assert len(cells) >= 5
     names = {}

@@ -1,4 +1,4 @@
-// What a Welkin says that was built without codecs: refusing FOLDER. Writes and reads small files in the folder; every
+// Checks a Welkin that was built without codecs: refusing FOLDER. Writes and reads small files in the folder; every
 // file of a kind whose codec is absent must be refused with an error that names the switch, and others must work.
 #include <cstdio>
 #include <cstdlib>
@@ -57,7 +57,7 @@ std::string bytes_of(const Path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// An .env of one texel a face whose images begin as `image` does.
+/// Writes an .env of one texel per face whose images begin as `image` does.
 void put_env(const Path& path, const std::string& image) {
   const std::string entry = "{\"position\":0,\"length\":" + std::to_string(image.size()) + "}";
   std::string entries = entry;
