@@ -56,7 +56,7 @@ class HeaderLines {
   std::size_t place_ = 0;
 };
 
-// As many numbers as `numbers` has room for, set apart by white space, and nothing after them.
+// Parses exactly as many numbers as `numbers` holds, separated by white space, and nothing after them.
 template <std::size_t Count>
 std::array<double, Count> read_numbers(const platform::ByteFile& file, std::string_view line, std::string_view value) {
   std::array<double, Count> numbers{};

@@ -51,7 +51,7 @@ void floats_from_rgbe(const std::uint8_t* planes, int length, float* rgb) {
                                                        planes + 3 * length};
   int first = 0;
   for (; first + kLanes + beyond <= length; first += kLanes) convert_run(components, first, rgb + 3 * first);
-  // What is left is less than two runs.
+  // The rest is less than two runs.
   for (; first < length; first += kLanes) {
     const auto count = static_cast<std::size_t>(std::min(kLanes, length - first));
     std::uint8_t bytes[kComponents][kLanes] = {};

@@ -35,18 +35,18 @@ bool is_repeat(const std::uint8_t* texel) { return texel[0] == 1 && texel[1] == 
 /// How a scanline is held. Each scanline of a file says for itself; `flat` is the old form without a repeat.
 enum class HdrCoding { flat, old_rle, new_rle };
 
-/// Reads through scanlines with a handle and a buffer of its own. Not for two threads at once.
+/// Reads scanlines through its own handle and buffer. Not for two threads at once.
 ///
-/// A scanline is either four runs of bytes, one a component, after the bytes 2, 2 and its length (the "new" form,
-/// of lengths from 8 to 32767), or texels of four bytes each, among which (1, 1, 1, n) says "the last texel, n times
+/// A scanline is either four runs of bytes, one per component, after the bytes 2, 2 and its length (the "new" form, of
+/// lengths from 8 to 32767), or texels of four bytes each, among which (1, 1, 1, n) means "the last texel, n times
 /// more", and the next such one right after it "256 n times more", and so on (the "old" form). A new-looking start
-/// whose length has its highest bit set is an old texel. (Radiance's color.c: freadcolrs, oldreadcolrs.)
+/// whose length has its highest bit set is an old texel. (Radiance's `color.c`: freadcolrs, oldreadcolrs.)
 ///
-/// What Radiance reads without a word, or past the end of its memory, is refused: repeats that leave the scanline,
+/// Two inputs are refused that Radiance reads silently, or past the end of its memory: repeats that leave the scanline,
 /// and a repeat before any texel.
 class HdrScanlines {
  public:
-  /// Of a file with `count` scanlines of `length` texels.
+  /// Opens a file with `count` scanlines of `length` texels.
   HdrScanlines(const FileInput& input, int length, int count)
       : file_(open_file(input)), length_(length), count_(count), buffer_(kBufferBytes) {}
 
@@ -202,11 +202,11 @@ class HdrScanlines {
 // Scanlines that are found before they are made known: the lock is for others to wait at.
 constexpr std::size_t kBatch = 32;
 
-/// The file has no such table, and where a scanline starts is known only from the codes of all before it. This finds
-/// as many as are asked for, by passing over the codes, and remembers them: 8 bytes a scanline.
+/// The file has no such table, and a scanline's start follows only from the codes of all before it. The index finds as
+/// many as requested by skipping over the codes, and stores them: 8 bytes per scanline.
 ///
-/// For any number of threads at once. One of them looks for new places; the others get those that are known without
-/// waiting for it.
+/// For any number of threads at once. One of them searches for new offsets; the others get known ones without waiting
+/// for it.
 class HdrScanlineIndex {
  public:
   HdrScanlineIndex(const FileInput& input, int length, int count, std::uint64_t first_byte)
@@ -266,25 +266,25 @@ class HdrScanlineIndex {
 
 // An image whose scanlines are columns, held in memory as rows.
 
-// Columns that are turned at once: a row takes this many bytes of a component side by side.
+// Columns that are transposed at once: a row takes this many adjacent bytes of a component.
 constexpr int kTogether = 16;
 
 std::uint64_t coded_bytes(std::uint64_t texels) { return 4 * texels; }
 
-/// Every row has a texel of every column, so the whole image is decoded, once, when the first row is asked for.
-/// For any number of threads at once.
+/// Every row has a texel of every column, so the whole image is decoded once, at the first request for a row. For any
+/// number of threads at once.
 class HdrColumns {
  public:
   HdrColumns(FileInput input, HdrHeader header) : input_(std::move(input)), header_(std::move(header)) {}
 
-  /// What all of it takes, in bytes: the image and what decoding needs.
+  /// Returns the bytes of the image and of decoding it.
   [[nodiscard]] static std::uint64_t memory_bytes(const HdrHeader& header) noexcept {
     const auto height = static_cast<std::uint64_t>(header.height);
     return coded_bytes(static_cast<std::uint64_t>(header.width) * height) + coded_bytes(kTogether * height) +
            HdrScanlines::memory_bytes();
   }
 
-  /// Row `row` of the upright image: four planes of `width` bytes. Throws as `HdrScanlines::decode`.
+  /// Returns row `row` of the upright image: four planes of `width` bytes. Throws the errors of `HdrScanlines::decode`.
   [[nodiscard]] const std::uint8_t* row(int row) {
     const std::lock_guard lock(mutex_);
     if (planes_ == nullptr) {
@@ -377,7 +377,7 @@ class HdrTexels {
   std::optional<glm::dmat3> matrix_;
 };
 
-// Decodes scanlines where they lie; the index says where that is when rows are asked for out of turn.
+// Decodes scanlines directly from the file; the index finds them when rows are requested out of order.
 class ScanlineReader final : public RowReader {
  public:
   ScanlineReader(const FileInput& input, const HdrHeader& header, const HdrTexels& texels, HdrScanlineIndex& index)
@@ -470,7 +470,7 @@ std::optional<glm::dmat3> matrix_of(const HdrHeader& header, Primaries wanted, E
                           : std::nullopt;
 }
 
-// Two texels in a row take 8 bytes at the least: a texel and how often it comes again.
+// Two texels in a row take at least 8 bytes: a texel and its repeat count.
 void require_plausible_size(const platform::ByteFile& file, const HdrHeader& header) {
   const std::uint64_t least = header.scanline_length() == 1 ? 4 : 8;
   const std::uint64_t wanted = least * static_cast<std::uint64_t>(header.scanlines());

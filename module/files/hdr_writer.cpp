@@ -31,7 +31,7 @@ Rgbe encode(const float* rgb, std::uint64_t& clamped) {
   const float largest = *std::max_element(values.begin(), values.end());
   int exponent = 0;
   std::frexp(largest, &exponent);  // largest = f 2^exponent, f in [0.5, 1)
-  // 255.5 and more would round to 256: the next exponent has room for it.
+  // 255.5 and more would round to 256, which needs the next exponent.
   if (std::ldexp(largest, 8 - exponent) >= 255.5F && exponent < 127) ++exponent;
   if (largest <= 0.0F || exponent < -127) return {0, 0, 0, 0};
   Rgbe result{};

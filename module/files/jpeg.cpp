@@ -67,7 +67,7 @@ class GainRows {
     upper_ = lower_;
   }
 
-  /// Factors for a row of the base image, three a texel. Rows are asked for from the top.
+  /// Writes the factors for a row of the base image, three per texel. Rows are requested from the top.
   void factors(int row, float* rgb) {
     const TwoSamples vertical = place(row, pair_.base.height, pair_.map.height);
     while (next_ <= vertical.second) {

@@ -18,7 +18,7 @@ using namespace std::string_view_literals;
 
 // Gain maps.
 
-// Beyond this many stops no float is left; nobody means it.
+// Beyond this many stops no float is left; such a value is an error.
 constexpr double kMaximumStops = 64.0;
 
 [[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
@@ -236,7 +236,7 @@ class Bytes {
   [[nodiscard]] std::uint64_t position() const noexcept { return begin_ + used_; }
   [[nodiscard]] bool at_end() { return used_ == count_ && !fill(); }
 
-  /// The next byte. Throws as `ByteFile::read` at the file's end.
+  /// Returns the next byte. Throws the errors of `ByteFile::read` at the file's end.
   unsigned next() {
     if (at_end()) damaged("ends too early");
     return static_cast<unsigned char>(buffer_[used_++]);

@@ -43,7 +43,7 @@ Header read_header(platform::ByteFile& file) {
   return header;
 }
 
-/// What lies in the file is told by type and format, of blocks by the internal format. (Filament writes the internal
+/// Returns the kind of texels: type and format decide it, for blocks the internal format. (Filament writes the internal
 /// format as type, too.)
 std::optional<TexelKind> kind_of(const Header& header) {
   switch (header.type) {
@@ -119,7 +119,7 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
 
 namespace {
 
-/// What the header says of texels.
+/// The header's fields about texels.
 struct GlFormat {
   std::uint32_t type, type_size, format, internal_format, base_format;
 };

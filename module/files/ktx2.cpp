@@ -15,7 +15,7 @@
 namespace welkin::files {
 namespace {
 
-// Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
+// Channel numbers of the RGBSDA colour model, and the qualifiers in the upper four bits of the same byte.
 constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
 constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
 
@@ -239,7 +239,7 @@ bool is_uastc_hdr(platform::ByteFile& file, const Header& header) {
 TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const Header header = read_header(file);
   check_kind(file, header);
-  const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
+  const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, from which the loading program makes the others
   TextureLayout layout;
   layout.container = FileFormat::ktx2;
   layout.kind = *kind_with(&KindTraits::vulkan, header.format);
@@ -301,7 +301,7 @@ struct LevelRange {
   std::uint64_t unpacked = 0;
 };
 
-/// Of level 0.
+/// The shape of level 0.
 struct Shape {
   int width;
   int height;

@@ -13,14 +13,13 @@
 
 namespace welkin::files {
 
-/// Fills in `info.layout` and `info.layout_reason` from what was asked for, else from what the header says,
-/// else from the shape: 2:1 is a lat-long, 1:6 and 6:1 are strips, 4:3 and 3:4 crosses. 1:1 is one of six files, if
-/// anything: whether the other five are there is for `open_row_source` to see.
+/// Fills in `info.layout` and `info.layout_reason` from the request, else from the header, else from the shape: 2:1 is
+/// a lat-long, 1:6 and 6:1 are strips, 4:3 and 3:4 crosses. 1:1 can only be one of six files: `open_row_source` checks
+/// for the other five.
 ///
-/// A lat-long that is asked for or that the header states is taken at any ratio; faces must be square all the
-/// same. Needs `info.path`, `width` and `height`.
-/// Throws `Error` (unsupported_file) if nothing tells, if a strip or cross has not its shape, or if the image
-/// is larger than the views of `image.h` can be.
+/// A lat-long that is requested or that the header states is accepted at any ratio; faces must still be square. Needs
+/// `info.path`, `width` and `height`. Throws `Error` (unsupported_file) if nothing decides, if a strip or cross does
+/// not have its shape, or if the image is larger than the views of `image.h` can be.
 void decide_layout(EnvironmentInfo& info, Layout asked_for, std::optional<Layout> stated_by_header);
 
 /// Throws `Error` (unsupported_file) for a square image that `decide_layout` took for a face. `reason` says why it is
@@ -49,13 +48,13 @@ struct CubePlacement {
   std::array<FacePlacement, 6> faces{};
 };
 
-/// The placement of a cube's layout. Six files are taken as the vertical strip that they make up.
+/// Returns the placement of a cube's layout. Six files count as the vertical strip that they make up.
 ///
 ///     horizontal cross      vertical cross
 ///         +Y                    +Y
 ///      -X +Z +X -Z           -X +Z +X
 ///         -Y                    -Y
-///                               -Z  (turned by half a turn)
+///                               -Z  (rotated by 180 degrees)
 ///
 /// Wherever two faces touch in a cross, they touch on the cube too. Throws `Error` (invalid_argument) for
 /// automatic and lat_long.
@@ -107,9 +106,9 @@ void require_level(const EnvironmentInfo& info, int levels, int level);
 /// Throws `Error` (unsupported_file) for an element that the file does not have.
 void require_element(const std::filesystem::path& path, int elements, int element);
 
-/// Fills in layout and sizes for a file whose format says that it holds six faces: a vertical strip of the level that
-/// was asked for. `size`: texels along an edge of level 0. Needs `info.path` and `info.format`. Throws `Error`:
-/// unsupported_file for another layout, or a level that is not there.
+/// Fills in layout and sizes for a file whose format states six faces: a vertical strip of the requested level. `size`:
+/// texels along an edge of level 0. Needs `info.path` and `info.format`. Throws `Error`: unsupported_file for another
+/// layout, or a missing level.
 void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions& options);
 
 }  // namespace welkin::files

@@ -90,8 +90,8 @@ bool read_is_little_endian(platform::ByteFile& file) {
   return scale < 0.0;
 }
 
-// A header whose lines end with "\r\n": its last '\n' would be taken for the first byte of the pixels, all of which
-// would then be read a byte off. Where the file's length leaves room for just that byte, it is the header's.
+// Skips a '\n' after a header whose lines end with "\r\n": it would be taken for the first byte of the pixels, all of
+// which would then be read a byte off. If the file's length allows exactly that byte, it is the header's.
 void pass_second_line_end(platform::ByteFile& file, std::uint64_t pixel_bytes) {
   if (file.remaining() != pixel_bytes + 1) return;
   const std::uint64_t first_byte = file.position();
@@ -115,7 +115,7 @@ class PfmReader final : public RowReader {
   PfmReader(const FileInput& input, const PfmImage& image, int width, int height)
       : image_(image), width_(static_cast<std::size_t>(width)), height_(height), file_(open_file(input)) {}
 
-  // Rows lie in the file from bottom to top: the last one that is asked for comes first.
+  // Rows lie in the file from bottom to top: the last requested row comes first.
   void read(int first_row, int row_count, float* rgb) override {
     const std::size_t stored = width_ * static_cast<std::size_t>(image_.channels());
     const auto rows_before = static_cast<std::uint64_t>(height_ - first_row - row_count);

@@ -1,4 +1,4 @@
-// PNG through libspng: images that are written (as sRGB, 8 or 16 bits a channel, no alpha), and the small images of
+// PNG through libspng: images that are written (as sRGB, 8 or 16 bits per channel, no alpha), and the small images of
 // .env files.
 #include "files/png.h"
 
@@ -43,7 +43,7 @@ class SrgbEncoder {
   std::vector<double> thresholds_;
 };
 
-/// What libspng calls to write; exceptions must not pass through its C code.
+/// The target of libspng's write callback; exceptions must not pass through its C code.
 struct Sink {
   platform::WholeFile& file;
   std::exception_ptr failure;
@@ -72,7 +72,7 @@ int choose_speed(spng_ctx* context, spng_filter_choice filter) {
   return SPNG_OK;
 }
 
-/// What a PNG is to be.
+/// The form of a PNG to write.
 struct PngShape {
   int width;
   int height;
@@ -174,7 +174,7 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba,
 }
 
 void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop) {
-  // Texts and profiles beside the pixels, which nobody here wants; beyond it the image is refused.
+  // Bounds chunks next to the pixels, such as texts and profiles, which are unused; a larger one is refused.
   constexpr std::size_t kMaxOfAChunk = std::size_t{1} << 20U;
   const auto require = [&image](int result) {
     if (result == SPNG_OK) return;

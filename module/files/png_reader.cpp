@@ -60,7 +60,7 @@ class PngStream {
  public:
   explicit PngStream(const FileInput& input) : file_(open_file(input)) {}
 
-  /// The next `count` bytes. Throws as `ByteFile::read`.
+  /// Reads the next `count` bytes. Throws the errors of `ByteFile::read`.
   void read(void* bytes, std::size_t count) {
     auto* to = static_cast<char*>(bytes);
     while (count > 0) {
@@ -172,7 +172,7 @@ class PngDecoder {
     }
   }
 
-  /// All rows at once, of any image; called once, and instead of `decode_row`. Throws as it does.
+  /// Decodes all rows of any image at once; called once, and instead of `decode_row`. Throws the same errors.
   void decode_all(void* rows) {
     const std::size_t bytes = header_.row_bytes() * static_cast<std::size_t>(header_.height);
     check(spng_decode_image(context_.get(), rows, bytes, format(), 0));
@@ -379,7 +379,7 @@ bool says_linear(const PngHeader& header) {
   return header.gamma && !header.says_srgb && std::abs(*header.gamma - 1.0) < 0.01;
 }
 
-// What the samples mean, and a note of what told it.
+// Decides the transfer function of the samples, and notes the reason.
 Transfer decide_transfer(const PngHeader& header, Transfer asked_for, EnvironmentInfo& info) {
   if (header.has_code_points) {
     info.notes.emplace_back("its cICP chunk (video colour) is not applied");

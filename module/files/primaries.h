@@ -19,7 +19,7 @@ struct Chromaticities {
 /// ITU-R BT.709-6, section 1; sRGB's as well.
 inline constexpr Chromaticities kRec709{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}, {0.3127, 0.3290}};
 
-/// What makes R, G and B the CIE's X, Y and Z.
+/// The primaries for which R, G and B are the CIE's X, Y and Z.
 inline constexpr Chromaticities kCieXyz{{1.0, 0.0}, {0.0, 1.0}, {0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
 
 /// Whether no coordinate differs by more than 0.001: writers round to three or four digits.
@@ -43,7 +43,7 @@ void apply(const glm::dmat3& matrix, float* rgb, std::size_t texels) noexcept;
 /// For a person: "CIE XYZ", "Rec. 2020" and the like, else "red (0.64 0.33) green (..) blue (..) white (..)".
 [[nodiscard]] std::string describe(const Chromaticities& primaries);
 
-// What Radiance and PNG files say about their primaries, as a matrix to Rec. 709.
+// The primaries that Radiance and PNG files state, as a matrix to Rec. 709.
 
 /// Nothing if they are those of Rec. 709, if colours are wanted as stored, or if no three primaries are these;
 /// `info.notes` says what was done, and `where` who said it.

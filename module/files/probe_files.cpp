@@ -293,7 +293,7 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
 
 namespace {
 
-using ParsedJson = nlohmann::json;  // finds a name at once; the ordered one looks through all of them
+using ParsedJson = nlohmann::json;  // finds a name directly; the ordered one searches all names
 using platform::ByteFile;
 using platform::file_error;
 
@@ -441,7 +441,7 @@ FileInput arrays_of(const Description& description, const FileInput& input) {
     throw Error(ErrorCode::invalid_argument, "read_probes: the description is in memory; pass the file of arrays too");
   }
   const std::filesystem::path named = platform::path_of(description.text(description.at("arrays"), "file"));
-  // A name beside the description, and no way to other files.
+  // A name in the description's folder, and no path to other folders.
   if (named.empty() || named != named.filename() || named == "." || named == "..") {
     description.refuse("names a file of arrays in another folder");
   }

@@ -31,7 +31,7 @@ std::string storage_text(const EnvironmentInfo& info) {
   return info.format_description() + ", " + info.storage + ", " + info.compression;
 }
 
-// What the projection has to say comes behind what the file's side did.
+// Puts the passes of reading the file before those of the projection.
 void put_first(Projection& projection, std::vector<PassRecord> passes) {
   std::vector<PassRecord>& all = projection.diagnostics.passes;
   all.insert(all.begin(), passes.begin(), passes.end());
@@ -126,7 +126,7 @@ Projection project_level(const FileInput& input, const EnvironmentInfo& full, in
   return projection;
 }
 
-/// The light that the file stores, if it is all that was asked for.
+/// Returns the light that the file stores, if it has all the requested bands.
 std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, const ProjectionOptions& options) {
   const std::optional<SphericalHarmonics>& stored = source.traits().stored_radiance;
   return stored && options.bands <= stored->bands() ? stored : std::nullopt;

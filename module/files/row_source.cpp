@@ -29,7 +29,7 @@ struct Signature {
   const char* kind;
 };
 
-// What people are likely to hand in instead, so that the refusal can name it.
+// Formats that are often passed by mistake, so that the refusal can name them.
 constexpr std::array kOtherKinds{
     Signature{"II*\0"sv, "a TIFF"},
     Signature{"MM\0*"sv, "a TIFF"},
@@ -75,8 +75,8 @@ std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const R
   refuse(file.path(), start);
 }
 
-/// Throws `Error` (unsupported_file) if a part, layer, level or element is asked for and the format has only one. The
-/// reader of a format that has several checks them by itself.
+/// Throws `Error` (unsupported_file) if a part, layer, level or element is requested and the format has only one. The
+/// readers of formats that have several check the request themselves.
 void refuse_other_selections(const EnvironmentInfo& info, const ReadOptions& options) {
   const FileFormat format = info.format;
   const bool is_texture = format == FileFormat::ktx2 || format == FileFormat::ktx1 || format == FileFormat::dds;
@@ -193,7 +193,7 @@ struct Turns {
 
 class Run {
  public:
-  // `in_place`: where the whole image goes, or nullptr if each worker brings room for a group.
+  // `in_place`: receives the whole image, or nullptr if each worker has memory of its own for a group.
   Run(const RowSource& source, const RowGroups& groups, const Control& control, float* in_place)
       : source_(source),
         cut_(source, groups.rows),

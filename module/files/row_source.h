@@ -40,7 +40,7 @@ inline constexpr int kMaximumHeight = 6 * 16384;
   return text;
 }
 
-/// What `file` reads, to open it once more.
+/// Returns the input that `file` reads, to open it once more.
 [[nodiscard]] FileInput input_of(const platform::ByteFile& file);
 
 class RowReader {
@@ -53,8 +53,7 @@ class RowReader {
   virtual void read(int first_row, int row_count, float* rgb) = 0;
 };
 
-/// Reads an image whose rows come one after the other from the top: asked for a row above the last one, it starts
-/// again.
+/// Reads an image whose rows come in order from the top: a request for a row above the last one restarts it.
 class SequentialReader : public RowReader {
  public:
   explicit SequentialReader(int width) : row_floats_(std::size_t{3} * static_cast<std::size_t>(width)) {}
@@ -87,24 +86,24 @@ struct RowTraits {
   /// Parts of as many rows that decode on their own: six where the image is made up from six files.
   int sections = 1;
 
-  /// Rows can only be decoded one after the other from the top (a PNG). Then a section has one reader, its reads start
-  /// at the section's top and follow one another without a gap, and whoever needs the next rows waits for the turn.
+  /// Whether rows can only be decoded in order from the top (a PNG). Then a section has one reader, its reads start at
+  /// the section's top and follow one another without a gap, and a thread that needs the next rows waits for its turn.
   bool sequential = false;
 
-  /// The image is a vertical strip whose faces are turned as OpenEXR's envmap attribute means them. Readers hand out
-  /// the rows as they are in the file all the same.
+  /// Whether the image is a vertical strip whose faces have the orientation of OpenEXR's envmap attribute. Readers
+  /// still return the rows as they are in the file.
   bool openexr_cube_frames = false;
 
   /// The smaller levels are blurred for reflections, so that none of them stands for the image.
   bool prefiltered_levels = false;
 
-  /// Three bands of radiance that the file stores beside the image, in Welkin's axes.
+  /// Three bands of radiance that the file stores in addition to the image, in Welkin's axes.
   std::optional<SphericalHarmonics> stored_radiance{};
 
   /// An upper bound on what one reader holds in memory.
   std::uint64_t reader_bytes = 0;
 
-  /// What would make a reader take less, for a message: "..., or save it with smaller blocks".
+  /// The remedy for a reader that takes too much memory, for a message: "..., or save it with smaller blocks".
   const char* smaller_reader = "save it with smaller blocks";
 };
 
@@ -113,7 +112,7 @@ class RowSource {
  public:
   using Open = std::function<std::unique_ptr<RowReader>()>;
 
-  /// `open` makes a reader, which may refer to what the function holds. Throws as `RowReader::read`.
+  /// `open` makes a reader, which may refer to what the function holds. It throws the errors of `RowReader::read`.
   RowSource(EnvironmentInfo info, RowTraits traits, Open open)
       : info_(std::move(info)), traits_(std::move(traits)), open_(std::move(open)) {}
   RowSource(const RowSource&) = delete;
@@ -123,7 +122,7 @@ class RowSource {
   [[nodiscard]] const RowTraits& traits() const noexcept { return traits_; }
   [[nodiscard]] int section_rows() const noexcept { return info_.height / traits_.sections; }
 
-  /// The reader must not outlive the source. Throws as `RowReader::read`.
+  /// Opens a reader, which must not outlive the source. Throws the errors of `RowReader::read`.
   [[nodiscard]] std::unique_ptr<RowReader> open_reader() const { return open_(); }
 
  private:
@@ -132,13 +131,12 @@ class RowSource {
   Open open_;
 };
 
-/// Opens one image file of any kind that is read, by its first bytes. If its layout comes out as six_files, it is
-/// one face of them. Throws as `inspect_environment`.
+/// Opens one image file of any supported kind, by its first bytes. If its layout comes out as six_files, it is one face
+/// of them. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_image(const FileInput& input, const ReadOptions& options);
 
 /// Opens an environment: an image file, or the six files of a cubemap, given as they are or by the path of any of them
-/// or of their directory.
-/// Throws as `inspect_environment`.
+/// or of their directory. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_row_source(const FileInput& input, const ReadOptions& options);
 
 /// Finds the six files of a cubemap, +X -X +Y -Y +Z -Z, from any one of them, or from a directory that holds one such
@@ -150,9 +148,9 @@ class RowSource {
 /// invalid_argument for one face in memory.
 [[nodiscard]] std::vector<FileInput> six_inputs(const FileInput& input);
 
-/// A strip N x 6N, layout six_files, whose rows come from six square images, each a section of its own: `inputs`, as
-/// `six_inputs` finds them for `input`. Throws as `inspect_environment`; unsupported_file naming the file that is not
-/// square or not of the first one's size.
+/// Opens a strip N x 6N, layout six_files, from six square images, each a section: `inputs`, as `six_inputs` finds them
+/// for `input`. Throws the errors of `inspect_environment`; unsupported_file naming the file that is not square or
+/// differs in size from the first.
 [[nodiscard]] std::unique_ptr<RowSource> open_six_files(const FileInput& input, const std::vector<FileInput>& inputs,
                                                         const ReadOptions& options, const std::string& reason);
 
@@ -174,7 +172,7 @@ struct RowGroup {
   int first_row = 0;
   int row_count = 0;
   const float* rgb = nullptr;  ///< row_count x width x 3, valid during the call
-  std::size_t worker = 0;      ///< below jobs::worker_count(Placement::arena), nobody else's meanwhile
+  std::size_t worker = 0;      ///< below jobs::worker_count(Placement::arena), exclusive for this call
 };
 
 /// Rows for a group where nothing else decides: a multiple of the source's natural rows that is worth a task.
@@ -183,8 +181,8 @@ struct RowGroup {
 /// Decodes every group once and calls `work` with it, several at a time. Returns the time spent in decoding, summed
 /// over threads.
 ///
-/// Of a sequential source, groups are decoded one after the other and handed to whoever is free: the next one is
-/// decoded while others are worked on. After an error nothing more is decoded there.
+/// The groups of a sequential source are decoded in order and handed to free threads: the next one is decoded while
+/// others are worked on. After an error no more are decoded.
 ///
 /// Each thread holds one group's rows, and one reader (sequential: one for each section instead). Small images,
 /// and those of which all that would exceed the memory limit, are worked through in the calling thread.
@@ -192,8 +190,8 @@ struct RowGroup {
 std::chrono::nanoseconds for_each_row_group(const RowSource& source, const RowGroups& groups, const Control& control,
                                             const std::function<void(const RowGroup&)>& work);
 
-/// Decodes the whole image straight to `rgb` (height x width x 3), several comfortable groups at a time. Throws as
-/// above.
+/// Decodes the whole image straight to `rgb` (height x width x 3), several comfortable groups at a time. Throws the
+/// errors of `for_each_row_group`.
 void read_all_rows(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* rgb);
 
 }  // namespace welkin::files

@@ -1,4 +1,4 @@
-// What a file carries beside its pixels, plans that take it, and bakes by them.
+// The results that a file carries in addition to its pixels, plans that use them, and bakes by these plans.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -205,8 +205,8 @@ Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& neede
   return plan;
 }
 
-/// The plan of a bake of everything that the options ask for: of what the file carries its light alone is taken, which
-/// is more than its pixels hold.
+/// Plans a bake of everything that the options request: of the file's stored results only the light is used, which is
+/// more than its pixels hold.
 Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
   baking::StoredKinds kinds;
   if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;

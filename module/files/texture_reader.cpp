@@ -174,8 +174,8 @@ std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int r
   return sum(bytes, decoder + texels * 4 * sizeof(float));
 }
 
-/// Texels out of a KTX2 or DDS file. Each thread has its own. Holds an unpacked level, if the file's are packed, until
-/// another is asked for.
+/// Reads texels of a KTX2 or DDS file. Each thread has its own. If the file's levels are packed, it holds one unpacked
+/// level until another is requested.
 class TextureReader {
  public:
   /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
@@ -235,7 +235,7 @@ class TextureReader {
   int unpacked_level_ = -1;
 };
 
-/// Of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
+/// Returns the bytes of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
 std::uint64_t chain_bytes(const TextureLayout& layout) {
   std::uint64_t texels = 0;
   for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {
@@ -254,7 +254,7 @@ struct Tiles {
   std::size_t count;
 };
 
-/// Beside the chain, with `workers` readers: each level is unpacked by one of them.
+/// Returns the bytes in addition to the chain, with `workers` readers: each level is unpacked by one of them.
 std::uint64_t working_bytes(const TextureLayout& layout, std::size_t workers) {
   std::uint64_t bytes = 0;
   for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {

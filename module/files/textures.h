@@ -46,8 +46,8 @@ void require_unpacks(Supercompression supercompression, const std::vector<std::u
 
 [[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
 [[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
-/// How many bytes the zlib stream unpacks to, up to `most`. Nothing where there is no zlib, nor for what is no stream:
-/// whoever unpacks it finds that out.
+/// Returns the number of bytes that the zlib stream unpacks to, up to `most`. Empty without zlib, and for an invalid
+/// stream, which unpacking will report.
 [[nodiscard]] std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, std::uint64_t most);
 void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& bytes, const stop_token& stop);
@@ -60,7 +60,7 @@ void require_zstd(const std::vector<std::uint8_t>& first, std::uint64_t unpacked
 
 inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes between two looks at the stop token
 
-/// What a library says of a level that it cannot unpack.
+/// Throws a library's message about a level that it cannot unpack.
 [[noreturn]] void refuse_packed_level(const std::filesystem::path& path, const char* library,
                                       const std::string& reason);
 
@@ -69,7 +69,7 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 
 // How texels lie in KTX2 and DDS files, and the way from floats and back.
 
-/// What is read: all that is written (`TexelFormat`, with the same numbers), and more.
+/// The kinds that are read: all that are written (`TexelFormat`, with the same numbers), and more.
 enum class TexelKind {
   rgba16f,
   rgba32f,
@@ -93,7 +93,7 @@ static_assert(static_cast<int>(TexelKind::uastc_hdr_4x4) == static_cast<int>(Tex
 
 [[nodiscard]] constexpr TexelKind kind_of(TexelFormat format) noexcept { return static_cast<TexelKind>(format); }
 
-/// What there is to know of a kind.
+/// The properties of a kind.
 struct KindTraits {
   const char* name;
   std::size_t bytes;                  ///< per texel or block
@@ -118,7 +118,7 @@ struct KindTraits {
 }
 [[nodiscard]] inline std::size_t texel_bytes(TexelKind kind) noexcept { return traits(kind).bytes; }
 
-/// What holds some rows of a face or image, whole blocks of it; `size`: texels in a row.
+/// The bytes of some rows of a face or image, in whole blocks; `size`: texels in a row.
 struct ByteRange {
   std::uint64_t first_byte;  ///< from the face's first one
   std::uint64_t bytes;
@@ -160,8 +160,8 @@ inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset,
 
 // Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
 
-/// What a header says: of a cubemap, or of an image (as a lat-long is). Of an array of them it says where one element
-/// lies. Every place lies inside the file, and every level has the bytes that its size takes.
+/// The contents of a header: of a cubemap, or of an image (as a lat-long is). For an array it has the offsets of one
+/// element. Every offset lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
     std::uint64_t first_byte = 0;    ///< in the file: of its first face, or of a supercompressed level
@@ -210,7 +210,7 @@ struct TextureLayout {
 [[nodiscard]] TextureLayout read_ktx1_layout(platform::ByteFile& file, int element = 0);
 [[nodiscard]] TextureLayout read_dds_layout(platform::ByteFile& file, int element = 0);
 
-/// Of either, by the first bytes; unsupported_file if it is neither.
+/// Reads the layout of any of these, by the first bytes; unsupported_file for another file.
 [[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file, int element = 0);
 /// By those that `first_bytes` gives.
 [[nodiscard]] bool is_texture(std::string_view start);
@@ -220,7 +220,7 @@ struct TextureLayout {
 [[nodiscard]] std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
                                                                  std::uint64_t bytes);
 
-/// The same as bytes, keys in the order of theirs. Throws `Error` (invalid_argument) above 1 MiB.
+/// Returns key/value data as bytes, sorted by key. Throws `Error` (invalid_argument) above 1 MiB.
 [[nodiscard]] std::vector<std::uint8_t> key_value_bytes(const platform::WholeFile& file,
                                                         const std::map<std::string, std::string>& metadata);
 
@@ -237,10 +237,9 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
 
 // KTX2 and DDS cubemaps as rows.
 
-/// A file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds the
-/// sphere as its shape or the options say. Packed levels are
-/// unpacked whole. 8-bit texels are linear or sRGB as the format says, or as ReadOptions.transfer has it. Throws as
-/// `inspect_environment`.
+/// Opens a file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds
+/// the sphere as its shape or the options say. Packed levels are unpacked whole. 8-bit texels are linear or sRGB by the
+/// format, or by ReadOptions.transfer. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options);
 
 // Whether a file's chain of levels is one of plain mips.
@@ -251,7 +250,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
   return lower_case(key).find("roughness") != std::string::npos;
 }
 
-// What the writers of textures share.
+// The code that the writers of textures share.
 
 /// A texture that is about to be written, a cubemap or flat; all that was checked.
 struct TextureJob {
@@ -280,9 +279,9 @@ struct BlockLevels {
 // Blocks of ASTC with high dynamic range (Khronos Data Format Specification 1.3, "ASTC Compressed Texture Image
 // Formats"), by the library astcenc.
 
-/// Packed RGB floats from what is at `row_byte_range` of the kind that it was made for. A block that the specification
-/// does not define gives NaN. Each thread has its own: it keeps astcenc's tables (3 MB, made in some 4 ms). Throws
-/// `std::bad_alloc`.
+/// A function that decodes the blocks at `row_byte_range` to packed RGB floats, for the kind that it was made for. A
+/// block that the specification does not define gives NaN. Each thread has its own: it keeps astcenc's tables (3 MB,
+/// made in about 4 ms). Throws `std::bad_alloc`.
 using AstcDecoder = std::function<void(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb)>;
 
 /// `path` is for messages. Throws `Error` (unsupported_file) in a build without astcenc, `std::bad_alloc`.

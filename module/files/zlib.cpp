@@ -42,7 +42,7 @@ bool offer(z_stream& stream, const Bytes& from, const Bytes& to) noexcept {
   return left <= kPackedAtOnce;
 }
 
-/// What packing makes of so many bytes at most: as zlib's deflateBound for its default settings, in 64 bits.
+/// Returns the maximum packed size: as zlib's deflateBound for its default settings, in 64 bits.
 std::size_t most_packed_bytes(std::size_t bytes) noexcept {
   return bytes + (bytes >> 12U) + (bytes >> 14U) + (bytes >> 25U) + 13;
 }
@@ -61,7 +61,7 @@ Bytes pack_zlib(const Bytes& bytes, const stop_token& stop) {
     const bool last = offer(stream, bytes, packed);
     result = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
   }
-  if (result != Z_STREAM_END) throw std::bad_alloc();  // nothing else can go wrong: there is room for the worst case
+  if (result != Z_STREAM_END) throw std::bad_alloc();  // no other failure is possible: `packed` holds the worst case
   packed.resize(written_bytes(stream, packed));
   return packed;
 }
