@@ -258,7 +258,7 @@ class Balancer {
     }
     Error error = error_of(area, given, bytes_of(block));
     const Sums rest = image::sum(off_, error.light, -1.0);
-    double least = cost_of(rest, error);
+    double minimum_cost = cost_of(rest, error);
     Sums scale{1.0, 1.0, 1.0};
     Sums best_scale = scale;
     std::uint32_t state = 1;
@@ -281,8 +281,8 @@ class Balancer {
       encode(changed, 1, context_, bytes.data());
       error = error_of(area, given, bytes.data());
       const double cost = cost_of(rest, error);
-      if (cost >= least || excess(image::sum(rest, error.light)) >= excess(off_)) continue;
-      least = cost;
+      if (cost >= minimum_cost || excess(image::sum(rest, error.light)) >= excess(off_)) continue;
+      minimum_cost = cost;
       best_scale = scale;
       off_ = image::sum(rest, error.light);
       std::copy_n(bytes.data(), kBlockBytes, bytes_of(block));

@@ -220,14 +220,14 @@ class TiledReader final : public RowReader {
       const int tile_end = std::min(tile_first + tile_rows, image_.data_height);
       const int from = std::max(first_row, tile_first);
       const int to = std::min(end, tile_end);
-      float* place = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
+      float* target = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
       if (from == tile_first && to == tile_end) {
-        read_tiles(tile, tile_first, place);
+        read_tiles(tile, tile_first, target);
       } else {
         edge_.resize(row_floats * static_cast<std::size_t>(tile_rows));
         read_tiles(tile, tile_first, edge_.data());
         const float* wanted = edge_.data() + static_cast<std::size_t>(from - tile_first) * row_floats;
-        std::copy_n(wanted, static_cast<std::size_t>(to - from) * row_floats, place);
+        std::copy_n(wanted, static_cast<std::size_t>(to - from) * row_floats, target);
       }
     }
   }

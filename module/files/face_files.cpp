@@ -75,15 +75,15 @@ class Candidates {
   /// Lists names with an extension of a supported format, or with `extension`.
   Candidates(const Path& directory, const std::string& extension) {
     std::error_code failure;
-    const Path place = directory.empty() ? Path(".") : directory;
-    for (std::filesystem::directory_iterator entry(place, failure), end; !failure && entry != end;
+    const Path folder = directory.empty() ? Path(".") : directory;
+    for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure)) {
       const Path file = directory / entry->path().filename();
       std::error_code ignored;
       if (is_image(file, extension) && !entry->is_directory(ignored)) add(file);
     }
     if (failure) {
-      throw platform::file_error(ErrorCode::file_access, place,
+      throw platform::file_error(ErrorCode::file_access, folder,
                                  "cannot be searched for faces (" + failure.message() + "); check its permissions");
     }
     for (auto& [set, faces] : sets_) {

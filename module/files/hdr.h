@@ -1,4 +1,4 @@
-// Radiance images: the words in front of the pixels, and rows.
+// Radiance images: the header in front of the pixels, and rows.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace welkin::files {
 
-/// Longer headers are refused; Radiance's own are some hundred bytes, a few thousand after many filters.
+/// Longer headers are refused; Radiance's have a few hundred bytes, a few thousand after many filters.
 inline constexpr std::size_t kLongestHdrHeader = std::size_t{64} << 10U;
 
 struct HdrHeader {
   bool xyz = false;         ///< 32-bit_rle_xyze: CIE XYZ instead of RGB
   glm::dvec3 divisor{1.0};  ///< the product of all EXPOSURE and COLORCORR lines; radiance = stored / divisor
-  std::optional<Chromaticities> primaries;  ///< as the file has them
+  std::optional<Chromaticities> primaries;  ///< as the file states them
   std::string gamma;                        ///< of the last GAMMA line, if it is not 1
   int width = 0;                            ///< of the image when it is upright
   int height = 0;

@@ -472,8 +472,8 @@ std::optional<glm::dmat3> matrix_of(const HdrHeader& header, Primaries wanted, E
 
 // Two texels in a row take at least 8 bytes: a texel and its repeat count.
 void require_plausible_size(const platform::ByteFile& file, const HdrHeader& header) {
-  const std::uint64_t least = header.scanline_length() == 1 ? 4 : 8;
-  const std::uint64_t wanted = least * static_cast<std::uint64_t>(header.scanlines());
+  const std::uint64_t minimum = header.scanline_length() == 1 ? 4 : 8;
+  const std::uint64_t wanted = minimum * static_cast<std::uint64_t>(header.scanlines());
   const std::uint64_t found = file.size() - header.first_byte;
   if (wanted > found) {
     throw platform::file_error(ErrorCode::corrupt_file, file.path(),

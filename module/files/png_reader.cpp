@@ -207,11 +207,11 @@ class PngDecoder {
       throw std::bad_alloc();
     }
     // libspng looks a row ahead.
-    const std::string place =
+    const std::string where =
         next_row_ > 0 ? "near row " + std::to_string(next_row_) + " of " + std::to_string(header_.height) + ", " : "";
     const platform::ByteFile& file = stream_.file();
     throw platform::file_error(ErrorCode::corrupt_file, file.path(),
-                               "is a damaged PNG: " + place + "at byte " + std::to_string(file.position()) +
+                               "is a damaged PNG: " + where + "at byte " + std::to_string(file.position()) +
                                    ", libspng says \"" + spng_strerror(result) + "\"; fetch or export it again");
   }
 

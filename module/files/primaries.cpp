@@ -127,12 +127,12 @@ std::string describe(const Chromaticities& primaries) {
   if (known != kNamed.end()) {
     return known->name;
   }
-  const auto place = [](const char* name, const auto& point) {
+  const auto described = [](const char* name, const auto& point) {
     const auto text = [](double number) { return platform::number_text(number, std::chars_format::general, 4); };
     return std::string(name) + " (" + text(point.x) + ' ' + text(point.y) + ')';
   };
-  return place("red", primaries.red) + place(" green", primaries.green) + place(" blue", primaries.blue) +
-         place(" white", primaries.white);
+  return described("red", primaries.red) + described(" green", primaries.green) + described(" blue", primaries.blue) +
+         described(" white", primaries.white);
 }
 
 std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where, Primaries wanted,

@@ -56,9 +56,9 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
 // decoded twice.
 int group_rows(int block_rows, int natural_rows) {
   constexpr int kMaxTimes = 4;
-  const int least = (natural_rows + block_rows - 1) / block_rows * block_rows;
+  const int minimum = (natural_rows + block_rows - 1) / block_rows * block_rows;
   const std::int64_t common = std::lcm(std::int64_t{block_rows}, std::int64_t{natural_rows});
-  return common <= std::int64_t{kMaxTimes} * least ? static_cast<int>(common) : least;
+  return common <= std::int64_t{kMaxTimes} * minimum ? static_cast<int>(common) : minimum;
 }
 
 void project_rows(projection::LatLongProjector& projector, const RowGroup& group, int width) {
@@ -104,9 +104,9 @@ int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
 double level_error(const Projection& projection, const EnvironmentInfo& level) {
   const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
                                                        : face_size(level.layout, level.width, level.height);
-  const double own = projection.diagnostics.error_estimate;
+  const double of_projection = projection.diagnostics.error_estimate;
   const double of_mip = projection::mip_error(projection.radiance.coefficients(), size);
-  return std::sqrt(own * own + of_mip * of_mip);
+  return std::sqrt(of_projection * of_projection + of_mip * of_mip);
 }
 
 Projection project_level(const FileInput& input, const EnvironmentInfo& full, int level, ReadOptions read_options,

@@ -104,10 +104,10 @@ class Archive {
   void raw(void* value, std::size_t count) {
     if (way_ == Way::write) bytes_.resize(position_ + count);
     if (count > bytes_.size() - position_) damaged(path_, "its parameters end too early");
-    std::uint8_t* const place = bytes_.data() + position_;
+    std::uint8_t* const slot = bytes_.data() + position_;
     position_ += count;
     if (count == 0) return;
-    way_ == Way::write ? std::memcpy(place, value, count) : std::memcpy(value, place, count);
+    way_ == Way::write ? std::memcpy(slot, value, count) : std::memcpy(value, slot, count);
   }
 
   Way way_;

@@ -163,11 +163,11 @@ std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
 /// The most that a reader holds while it reads so many rows of a level at once.
 std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
   const int size = layout.level_size(level);
-  const auto& place = layout.levels[static_cast<std::size_t>(level)];
+  const auto& stored = layout.levels[static_cast<std::size_t>(level)];
   // Rows of blocks reach beyond the rows that are read, at either end.
   const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
   std::uint64_t bytes = row_byte_range(layout.kind, size, 0, most_rows).bytes;
-  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
+  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), stored.packed_bytes);
   if (!is_astc(layout.kind)) return bytes;
   constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
   const auto texels = static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(most_rows);
@@ -185,26 +185,26 @@ class TextureReader {
   /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
   void read(int level, int face, int first_row, int rows, float* rgb) {
     const int size = layout_.level_size(level);
-    const ByteRange place = row_byte_range(layout_.kind, size, first_row, rows);
+    const ByteRange range = row_byte_range(layout_.kind, size, first_row, rows);
     if (layout_.supercompression != Supercompression::none) {
       if (unpacked_level_ != level) unpack_level(level);
       const std::uint64_t first_byte = layout_.first_byte_of(level, face);
-      decode(texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
+      decode(texels_.data() + first_byte + range.first_byte, size, first_row, rows, rgb);
       return;
     }
-    texels_.resize(place.bytes);
+    texels_.resize(range.bytes);
     const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
-    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + place.first_byte);
+    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + range.first_byte);
     file_.read(texels_.data(), texels_.size());
     decode(texels_.data(), size, first_row, rows, rgb);
   }
 
  private:
   void unpack_level(int level) {
-    const TextureLayout::Level& place = layout_.levels[static_cast<std::size_t>(level)];
+    const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
     unpacked_level_ = -1;
-    std::vector<std::uint8_t> packed(place.packed_bytes);
-    file_.seek(place.first_byte);
+    std::vector<std::uint8_t> packed(stored.packed_bytes);
+    file_.seek(stored.first_byte);
     file_.read(packed.data(), packed.size());
     texels_.resize(layout_.whole_bytes(level));
     unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
