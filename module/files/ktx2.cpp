@@ -19,13 +19,13 @@ namespace {
 constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
 constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
 
-/// Some bits of a texel.
+/// A bit field of a texel.
 struct Sample {
   std::uint32_t first_bit;
   std::uint32_t bits;
   std::uint32_t channel;  ///< with its qualifiers
-  std::uint32_t lower;    ///< the number that stands for 0, or for -1 if signed; of an exponent its bias
-  std::uint32_t upper;    ///< the number that stands for 1; of an exponent the largest one
+  std::uint32_t lower;    ///< the number for 0, or for -1 if signed; for an exponent its bias
+  std::uint32_t upper;    ///< the number for 1; for an exponent the largest one
 };
 
 std::vector<Sample> samples_of(TexelFormat format) {
@@ -58,7 +58,7 @@ std::vector<Sample> samples_of(TexelFormat format) {
   return {};
 }
 
-/// supercompressionScheme, by the enumerators' values.
+/// supercompressionScheme, indexed by Supercompression.
 constexpr std::array kSchemes{0U, 3U, 2U};
 static_assert(kSchemes.size() == static_cast<std::size_t>(Supercompression::zstd) + 1);
 
@@ -68,10 +68,10 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
   return static_cast<Supercompression>(found - kSchemes.begin());
 }
 
-/// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
+/// The descriptor's colour model by which loaders recognize that they can transcode a texture to BC6H.
 constexpr std::uint32_t kModelUastcHdr = 167;
 
-/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
+/// Returns the data format descriptor after its total size: linear light in Rec. 709 primaries, straight alpha.
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
@@ -94,12 +94,12 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   // Texels along the edges of a block, each less one: edge x edge x 1 x 1.
   const auto last = static_cast<std::uint32_t>(block_edge(kind) - 1);
   platform::append_little_endian(bytes, last | last << 8U);
-  // Bytes of the first plane of eight, before packing: KTX 2.0.4 deprecates the 0 that earlier revisions wanted of
+  // Bytes of the first plane of eight, before packing: KTX 2.0.4 deprecates the 0 that earlier revisions required for
   // packed levels.
   platform::append_little_endian(bytes, static_cast<std::uint64_t>(texel_bytes(kind)));
   for (const Sample& sample : samples) {
     platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
-    platform::append_little_endian(bytes, std::uint32_t{0});  // its place in the block
+    platform::append_little_endian(bytes, std::uint32_t{0});  // its position in the block
     platform::append_little_endian(bytes, sample.lower);
     platform::append_little_endian(bytes, sample.upper);
   }
@@ -306,8 +306,8 @@ struct Shape {
   int width;
   int height;
   std::uint32_t faces;
-  std::uint32_t depth = 0;   ///< slices of a volume; 0: it is none
-  std::uint32_t layers = 0;  ///< of an array; 0: it is none
+  std::uint32_t depth = 0;   ///< slices of a volume; 0: not a volume
+  std::uint32_t layers = 0;  ///< of an array; 0: not an array
 };
 
 Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
@@ -337,8 +337,8 @@ Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Byte
   return bytes;
 }
 
-/// Sets the offsets, the smallest level first, and writes all that stands before the levels. Unpacked levels start at
-/// multiples of a texel or block (all of ours are multiples of 4 bytes, so that this is also the least common multiple
+/// Sets the offsets, the smallest level first, and writes everything before the levels. Unpacked levels start at
+/// multiples of a texel or block (ours are all multiples of 4 bytes, so that this is also the lowest common multiple
 /// with 4).
 void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
                   std::vector<LevelRange>& ranges) {
@@ -379,7 +379,7 @@ PackedLevel pack_level(const TextureJob& job, std::size_t level, const Bytes* bl
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
 }
 
-/// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
+/// Packs levels concurrently: the largest takes three quarters of the time in any case.
 std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<BlockLevels>& blocks) {
   std::vector<PackedLevel> levels(job.levels.size());
   const jobs::Placement placement = jobs::placement_for(image::texels_of(job.levels.front()));

@@ -13,7 +13,7 @@
 namespace welkin::files {
 namespace {
 
-// Layouts that a shape tells, and how each is called in messages.
+// Layouts that a shape determines, and their names in messages.
 struct CubeShape {
   Layout layout;
   const char* ratio;
@@ -222,7 +222,7 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
 namespace welkin {
 namespace {
 
-// By the enumerators' values.
+// Indexed by Layout.
 constexpr std::array kLayouts{"automatic",        "lat-long",       "vertical-strip", "horizontal-strip",
                               "horizontal-cross", "vertical-cross", "six-files"};
 constexpr std::array kFormats{"OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX", "JPEG"};

@@ -22,8 +22,8 @@
 namespace welkin::files {
 namespace {
 
-/// Encodes to the code whose light is nearest in the encoded scale: where the curve passes half a code, the next one
-/// begins. A table of those places makes it exact, and the same on every machine.
+/// Encodes to the code whose light is nearest in the encoded scale: the next code begins where the curve passes half a
+/// code. A table of these thresholds makes it exact, and the same on every machine.
 class SrgbEncoder {
  public:
   explicit SrgbEncoder(int largest_code) : thresholds_(static_cast<std::size_t>(largest_code)) {
@@ -32,7 +32,7 @@ class SrgbEncoder {
     }
   }
 
-  /// NaN becomes 0.
+  /// Encodes a value. NaN becomes 0.
   [[nodiscard]] unsigned encode(float value, std::uint64_t& clamped) const {
     if (!(value >= 0.0F && value <= 1.0F)) ++clamped;
     const double light = value > 0.0F ? static_cast<double>(value) : 0.0;
@@ -60,7 +60,7 @@ int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t coun
   }
 }
 
-/// One filter for all rows, and of deflate only the search for runs (zlib's Z_RLE). Returns libspng's result.
+/// Selects one filter for all rows, and only deflate's search for runs (zlib's Z_RLE). Returns libspng's result.
 int choose_speed(spng_ctx* context, spng_filter_choice filter) {
   constexpr int kRuns = 3;
   for (const auto& [option, value] : {std::pair<spng_option, int>{SPNG_FILTER_CHOICE, filter},
@@ -77,7 +77,7 @@ struct PngShape {
   int width;
   int height;
   int bits = 8;
-  spng_color_type colour = SPNG_COLOR_TYPE_TRUECOLOR;  ///< without alpha it says that it is sRGB
+  spng_color_type colour = SPNG_COLOR_TYPE_TRUECOLOR;  ///< without alpha the file states sRGB
   std::optional<spng_filter_choice> quick{};           ///< encoded in a fraction of the time, with this filter
 };
 
@@ -129,7 +129,7 @@ std::uint64_t write_png(const OutputImage& image, const WriteJob& job) {
   const std::size_t values = std::size_t{3} * static_cast<std::size_t>(image.width());
   std::vector<float> rgb(values);
   std::vector<std::uint8_t> bytes(bits == 16 ? 0 : values);
-  std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng takes them
+  std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng expects
   for (int row = 0; row < image.height(); ++row) {
     report_rows(job, row, image.height());
     image.read_row(row, rgb.data());
@@ -159,8 +159,8 @@ void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t
 std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba, int size, const stop_token& stop) {
   std::vector<std::byte> png;
   platform::WholeFile file("an image of an .env file", &png);
-  // Over RGBD of a photograph: a ninth of the time of libspng's own choice of filters and zlib's level 6, and 4 % more
-  // bytes; Sub for Paeth would make it 10 %.
+  // For RGBD of a photograph: a ninth of the time of libspng's choice of filters and zlib's level 6, and 4 % more
+  // bytes; Sub instead of Paeth would make it 10 %.
   PngEncoder encoder(file, {size, size, 8, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, SPNG_FILTER_CHOICE_PAETH});
   const std::size_t row_bytes = std::size_t{4} * static_cast<std::size_t>(size);
   for (int row = 0; row < size; ++row) {

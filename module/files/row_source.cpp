@@ -183,7 +183,7 @@ struct Worker {
   std::vector<float> rows;
 };
 
-// A section of a sequential source: who holds the lock reads the next group.
+// A section of a sequential source: the thread that holds the lock reads the next group.
 struct Turns {
   std::mutex mutex;
   std::unique_ptr<RowReader> reader;
@@ -242,7 +242,7 @@ class Run {
     const bool nothing_to_share = source_.traits().sequential && cut_.sections == 1 && in_place_ != nullptr;
     const std::uint64_t threads = jobs::worker_count(jobs::Placement::arena);
     const std::uint64_t readers = source_.traits().sequential ? cut_.sections : threads;
-    const std::uint64_t left = limit - alone;  // for all but the first reader and the first buffer
+    const std::uint64_t left = limit - alone;  // for all readers and buffers but the first
     const bool too_much = exceeds(readers - 1, reader, left) || exceeds(threads - 1, buffer, left) ||
                           (readers - 1) * reader > left - (threads - 1) * buffer;
     return small || nothing_to_share || too_much ? jobs::Placement::calling_thread : jobs::Placement::arena;
@@ -268,14 +268,14 @@ class Run {
     decoding_ += (Clock::now() - start).count();
   }
 
-  // A section has as many tiles as groups, so each tile finds one to read. False after an error, which is then on
-  // its way to the caller from the thread that met it.
+  // A section has as many tiles as groups, so each tile finds one to read. Returns false after an error, which the
+  // thread that met it is passing on to the caller.
   bool read_in_turn(std::size_t section, std::size_t worker, RowGroup& group) {
     Turns& turns = turns_[section];
     const std::lock_guard lock(turns.mutex);
     if (turns.failed) return false;
     jobs::throw_if_cancelled(control_);
-    turns.failed = true;  // until it is read
+    turns.failed = true;  // until it has been read
     group = cut_.group(section, turns.next_group);
     read(turns.reader, worker, group);
     turns.failed = false;
