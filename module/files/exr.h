@@ -146,14 +146,13 @@ struct CompressionKind {
 
 // The meaning of an OpenEXR file's numbers as colours.
 
-/// The matrix to Rec. 709, or none if nothing is to be done: no chromaticities attribute (which means Rec. 709), the
-/// numbers wanted as they are, luminance alone, which is grey in any primaries, or a matrix that would change nothing
-/// but roundings. What was done is said in
-/// `info.notes`.
+/// Returns the matrix to Rec. 709, or none if there is nothing to convert: no chromaticities attribute (which means
+/// Rec. 709), the numbers requested as stored, luminance alone, which is grey in any primaries, or a matrix that would
+/// change nothing but roundings. `info.notes` states what was done.
 ///
-/// White becomes white: the adoptedNeutral attribute's, if there is one, as in OpenEXR's own ImfAcesFile, else the
-/// chromaticities'. whiteLuminance (candelas a square metre of (1, 1, 1)) changes no number.
-/// Throws `Error` (corrupt_file) naming the attribute if it makes no colours.
+/// White becomes white: the adoptedNeutral attribute's, if there is one, as in OpenEXR's ImfAcesFile, else the
+/// chromaticities'. whiteLuminance (candelas per square metre of (1, 1, 1)) changes no number. Throws `Error`
+/// (corrupt_file) naming the attribute if it makes no colours.
 [[nodiscard]] std::optional<glm::dmat3> exr_colour_matrix(EnvironmentInfo& info, const Imf::Header& header,
                                                           ExrChannels::Kind kind, Primaries wanted);
 

@@ -248,7 +248,7 @@ class TiledReader final : public RowReader {
   ExrFile file_;
   Imf::TiledInputPart input_;
   ExrBlocks blocks_;
-  std::vector<float> edge_;  // a row of tiles of which not all rows are wanted
+  std::vector<float> edge_;  // a row of tiles of which only some rows are requested
 };
 
 // Converts stored rows: Y alone is spread to three channels, and primaries are converted.

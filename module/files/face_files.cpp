@@ -223,7 +223,7 @@ std::string shape(const EnvironmentInfo& info) {
   return std::to_string(info.width) + " x " + std::to_string(info.height);
 }
 
-// Opens a face with the layout that no shape contradicts: a face alone has no layout.
+// Opens a face with the layout that no shape contradicts: a single face has no layout.
 std::unique_ptr<RowSource> open_face(const FileInput& input, const ReadOptions& options) {
   ReadOptions of_face = options;
   of_face.layout = Layout::lat_long;

@@ -3,7 +3,7 @@
 
 // WELKIN_INLINE: a function that is inlined wherever it is called, whatever the compiler's heuristics. Kernels need it
 // for their speed, and so that no instruction set's copy of a function can stand in for another's.
-// WELKIN_INLINE_LAMBDA does the same for a lambda; it stands behind the parameters.
+// WELKIN_INLINE_LAMBDA does the same for a lambda; it follows the parameters.
 //
 // WELKIN_INLINE_UNLESS_SENT: WELKIN_INLINE, except where code is sent over a network before it can run (WebAssembly in
 // a page): there large kernels are called, not inlined, and have fewer variants (`kCodeIsSent`).
