@@ -1,4 +1,4 @@
-// The passes of a bake: what each does, what it waits for, and what is said of it.
+// The passes of a bake: what each does, what it waits for, and how it is reported.
 #include "welkin/bake.h"
 
 #include <algorithm>
@@ -38,10 +38,10 @@ namespace {
 struct Outcome {
   PassAction action = PassAction::run;
   std::string reason{};
-  double saved_milliseconds = 0.0;  ///< that finding a result took, in the store's pass
+  double saved_milliseconds = 0.0;  ///< time to find a result, in the store's pass
 };
 
-/// What a store has found goes to the result.
+/// Moves a result that a store found to the bake's result.
 template <class Value, class Result>
 std::optional<Outcome> take(Found<Value>& found, Result& result) {
   result = std::move(found.value);
@@ -50,7 +50,7 @@ std::optional<Outcome> take(Found<Value>& found, Result& result) {
 
 class Baking {
  public:
-  /// `targets`: where cubemaps go; null: they stay in the result.
+  /// `targets`: receive the cubemaps; null: they stay in the result.
   Baking(Source& source, const BakeOptions& options, const BakePlan& plan, ArtefactStore* store,
          const BakeTargets* targets, BakeResult& result)
       : source_(source), options_(options), plan_(plan), store_(store), targets_(targets), result_(result) {}
@@ -66,14 +66,14 @@ class Baking {
 
  private:
   static constexpr std::size_t kSkipped = static_cast<std::size_t>(-1);
-  using Work = std::optional<Outcome> (Baking::*)(const Control&);  ///< nothing: as planned
+  using Work = std::optional<Outcome> (Baking::*)(const Control&);  ///< empty: as planned
 
   struct Step {
     Outcome outcome;
-    std::size_t pass = kSkipped;  ///< of the graph
+    std::size_t pass = kSkipped;  ///< index in the graph
   };
 
-  /// What is there of an older bake stays only where its memory can be used again.
+  /// Keeps parts of an older bake only where their memory can be reused.
   void prepare_results() {
     BakeResult fresh;
     if (plan_.background_size != 0) fresh.background = std::move(result_.background);
@@ -98,13 +98,13 @@ class Baking {
     return &Baking::make_octahedral;
   }
 
-  /// A pass of the graph, with no less weight than what it takes to begin.
+  /// Adds a pass to the graph, weighted at least with the overhead of starting it.
   std::size_t add_pass(double weight, std::function<void(const Control&)> work, const std::vector<std::size_t>& after) {
     constexpr double kMinWeight = 10'000.0;  // nanoseconds
     return graph_.add(std::max(kMinWeight, weight), std::move(work), after);
   }
 
-  /// What comes before all others: the pixels, and what a store has of them.
+  /// Adds the passes that precede all others: reading the pixels, and finding stored results of them.
   void add_first_passes() {
     constexpr double kReadTexel = 10.0;  // nanoseconds, of a compressed file
     reading_ = source_.reading();
@@ -113,7 +113,7 @@ class Baking {
                        [this](const Control& control) { source_.read(control); }, {});
     }
     if (store_ == nullptr || !source_.holds_pixels()) return;
-    constexpr double kHashed = 0.1;  // nanoseconds a byte
+    constexpr double kHashed = 0.1;  // nanoseconds per byte
     const double bytes =
         static_cast<double>(source_.shape().texels()) * static_cast<double>(bytes_per_texel(source_.shape().format));
     find_ = add_pass(
@@ -122,13 +122,13 @@ class Baking {
         passes({read_}));
   }
 
-  /// Those that there are.
+  /// Returns the passes that exist.
   static std::vector<std::size_t> passes(std::vector<std::size_t> all) {
     std::erase(all, kSkipped);
     return all;
   }
 
-  /// What the plan runs or reuses are passes of the graph; what it skips is only recorded.
+  /// Adds the passes that the plan runs or reuses to the graph; those that it skips are only recorded.
   void add_passes() {
     add_first_passes();
     for (std::size_t k = 0; k < plan_.steps.size(); ++k) {
@@ -149,9 +149,9 @@ class Baking {
     }
   }
 
-  // Its passes.
+  // The passes.
 
-  /// Whether what is left to compute reads sanitized pixels, or nothing else could tell what is in them.
+  /// Returns whether a remaining computation needs sanitized pixels, or nothing else could describe the pixels.
   [[nodiscard]] bool wants_sanitized() const {
     if (find_ == kSkipped) return true;
     const bool specular = found_.missing_specular.has_value();
@@ -164,13 +164,13 @@ class Baking {
   std::optional<Outcome> sanitize(const Control& control) {
     if (!wants_sanitized()) return Outcome{PassAction::skip, "every result of the pixels was found in the cache"};
     sanitized_.emplace(source_.pixels(), options_.pixels, control);
-    // A projection tells as much of the pixels, and is kept itself.
+    // A projection describes the pixels as well, and is kept itself.
     if (find_ != kSkipped && !plan_.runs(BakePass::project)) store_->keep(*sanitized_);
     if (sanitized_->bytes() == 0) return Outcome{PassAction::reuse, "source pixels are already valid RGB floats"};
     return Outcome{PassAction::run, "a copy as RGB floats, with the pixel policy applied"};
   }
 
-  /// What `work` makes of the sanitized pixels, a lat-long or a cubemap.
+  /// Returns what `work` makes of the sanitized pixels, a lat-long or a cubemap.
   template <class Function>
   auto of_sanitized(const Function& work) const {
     return sanitized_->cubemap() ? work(sanitized_->cube()) : work(sanitized_->lat_long());
@@ -181,7 +181,7 @@ class Baking {
     Cubemap older = std::move(result_.background).value_or(Cubemap());
     Cubemap& chain = result_.background.emplace(
         image::shaped(std::move(older), plan_.background_size, plan_.background_levels, control.memory));
-    // A chain of huge values went through a scale and back, which loses what is very dark.
+    // A chain of huge values went through a scale and back, which loses very dark values.
     if (plan_.same_level && !(sanitized_ && reflections::safe_scale(*sanitized_) != 1.0F)) {
       copy_level(result_.specular->cubemap, chain, control);
     } else {
@@ -195,7 +195,7 @@ class Baking {
     if (find_ != kSkipped && !plan_.stored_background) store_->keep_background(*result_.background);
   }
 
-  /// Level 0, a tile for some rows of all that lies one after the other in memory.
+  /// Copies level 0 by tiles of rows, which follow one another in memory.
   static void copy_level(const Cubemap& from, Cubemap& to, const Control& control) {
     const std::ptrdiff_t values = std::ptrdiff_t{3} * from.size();
     const int tile_rows = std::max(1, (1 << 16) / (3 * from.size()));
@@ -215,7 +215,7 @@ class Baking {
     return {};
   }
 
-  /// Below level 0, which went through all the others' policies. False if some are no numbers: then nothing is copied.
+  /// Copies the levels below 0, which has passed all policies. Returns false, and copies none, if one is not finite.
   bool copy_stored_levels() {
     Cubemap& chain = *result_.background;
     const auto values = [&](int level) {
@@ -251,16 +251,16 @@ class Baking {
   }
 
   [[nodiscard]] PrefilteredSpecular prefiltered(const reflections::PrefilterPlan& mips, const Control& control) {
-    Cubemap room = result_.specular ? std::move(result_.specular->cubemap) : Cubemap();
+    Cubemap scratch = result_.specular ? std::move(result_.specular->cubemap) : Cubemap();
     if (!mips.irradiance || found_.irradiance) {
       reflections::PrefilterPlan without = mips;
       without.irradiance.reset();
-      return reflections::prefilter(*sanitized_, without.without(0, 0), std::move(room), control);
+      return reflections::prefilter(*sanitized_, without.without(0, 0), std::move(scratch), control);
     }
-    return reflections::prefilter(*sanitized_, mips, std::move(room), control, &irradiance_.emplace());
+    return reflections::prefilter(*sanitized_, mips, std::move(scratch), control, &irradiance_.emplace());
   }
 
-  /// Nothing to report: what was prefiltered has been sanitized before.
+  /// Reports clean pixels: the input of the prefilter was sanitized before.
   void describe_pixels() {
     ProjectionDiagnostics clean;
     clean.texels = source_.shape().texels();
@@ -285,10 +285,10 @@ class Baking {
     return outcome;
   }
 
-  /// Whether light comes from beside pixels that are held.
+  /// Returns whether the harmonics come with the source although it holds its pixels.
   [[nodiscard]] bool takes_light() const { return plan_.stored_harmonics && source_.holds_pixels(); }
 
-  /// Of a source that finds its own stored light, unless that has too few bands.
+  /// Projects a source that does not hold its pixels. It uses its stored harmonics unless they have too few bands.
   [[nodiscard]] Projection streamed_projection(const Control& control) {
     ProjectionOptions projecting = plan_.projecting;
     if (plan_.stored_harmonics) projecting.bands = options_.bands;
@@ -320,7 +320,7 @@ class Baking {
     } else if (!irradiance_) {
       irradiance_ = reflections::irradiance_cubemap(*sanitized_, *plan_.irradiance_plan, control);
     }
-    // Of light that the source brought along it is not what the pixels tell.
+    // Irradiance of light that the source brought along is not determined by the pixels, and is not kept.
     if (find_ != kSkipped && (plan_.convolves() || !plan_.stored_harmonics)) store_->keep_irradiance(*irradiance_);
   }
 
@@ -338,21 +338,21 @@ class Baking {
     return {};
   }
 
-  // To the caller's memory.
+  // Writing to the caller's memory.
 
-  /// A cubemap of the result that is written to targets, by a pass after the last one that changes it. Others may read
-  /// it at the same time.
+  /// A cubemap of the result that is written to targets, by a pass after the last one that changes it. Other passes may
+  /// read it at the same time.
   struct Stored {
     const char* name;
     BakePass after;
-    int size;  ///< 0: there is none
+    int size;  ///< 0 if there is none
     int levels;
     std::span<const CubemapTarget> targets;
     Cubemap& (*cubemap)(BakeResult&);
     std::size_t pass = kSkipped;
   };
 
-  /// Before anything is baked: checks the targets.
+  /// Checks the targets before anything is baked.
   void list_targets() {
     const auto add = [&](const char* what, const Stored& one) {
       if (one.targets.empty()) return;
@@ -388,7 +388,7 @@ class Baking {
     }
   }
 
-  /// What went to targets is the caller's.
+  /// Drops the cubemaps that went to targets: the caller has them.
   void drop_stored() {
     for (const Stored& one : stored_) {
       if (one.after == BakePass::irradiance) {
@@ -402,7 +402,7 @@ class Baking {
     result_.values_clamped = values_clamped_;
   }
 
-  // What is said of it.
+  // Reporting.
 
   void finish() {
     ProjectionDiagnostics& diagnostics = result_.diagnostics;
@@ -457,7 +457,7 @@ class Baking {
 
   jobs::TaskGraph graph_;
   std::optional<PlannedPass> reading_;
-  std::size_t read_ = kSkipped;  ///< of the graph, as `find_`
+  std::size_t read_ = kSkipped;  ///< index in the graph, as `find_`
   std::size_t find_ = kSkipped;
   std::vector<Step> steps_ = std::vector<Step>(plan_.steps.size());  ///< in the plan's order
   std::vector<Stored> stored_;
@@ -469,7 +469,7 @@ class Baking {
   std::optional<Projection> projection_;
 };
 
-/// The one bake. `planned`: why the scene needs none of a pass, where the bake does what was planned.
+/// Carries out a bake. `planned`: why the scene does not need a pass, where the bake does what was planned.
 void carry_out(BakeResult& result, Source& source, const BakeOptions& options, ArtefactStore* store,
                const BakeTargets* targets, std::span<const PlannedPass> planned, const Control& control) {
   BakePlan plan = plan_bake(source.shape(), options, source.stored());
@@ -514,7 +514,7 @@ BakeResult run_bake(Source& source, const Plan& planned, ArtefactStore* store, c
 BakeOptions BakeOptions::at(Quality quality) {
   BakeOptions options;
   options.specular = PrefilterOptions::at(quality);
-  // Below what harmonics hold, irradiance is the integral.
+  // At errors below what harmonics can reach, irradiance is integrated.
   options.irradiance->rms_error = quality == Quality::reference ? 1e-6 : options.specular->rms_error;
   return options;
 }

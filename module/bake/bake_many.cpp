@@ -1,4 +1,4 @@
-// Many probes in one call: small ones side by side, each in one thread; large ones by all threads.
+// Many probes in one call: small ones concurrently, each on one thread; large ones on all threads.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -83,14 +83,14 @@ class ManyBakes {
       result.values_clamped += one.values_clamped;
       result.peak_bytes = std::max(result.peak_bytes, one.peak_bytes);
     }
-    result.peak_bytes *= rooms_.size();
+    result.peak_bytes *= scratch_.size();
     result.diagnostics.passes.push_back(
         {"specular", PassAction::run, std::to_string(probes_.size()) + " cubemaps", watch.milliseconds()});
     return result;
   }
 
  private:
-  /// What became of a probe.
+  /// The outcome of a probe.
   struct Made {
     ProjectionDiagnostics diagnostics{};
     std::uint64_t values_clamped = 0;
@@ -102,8 +102,8 @@ class ManyBakes {
     return static_cast<double>(texels) / static_cast<double>(all_texels_);
   }
 
-  /// Small probes go side by side if there are enough of them for all threads. Bits do not depend on that: a probe is
-  /// baked in the same way by one thread or by many.
+  /// Bakes small probes concurrently if there are enough of them for all threads. The bits do not depend on that: a
+  /// probe is baked in the same way by one thread or by many.
   void gather() {
     const std::size_t threads = jobs::worker_count(jobs::Placement::arena);
     const auto is_small = [](const CubemapView& probe) {
@@ -116,12 +116,12 @@ class ManyBakes {
       (goes_beside ? beside_texels_ : one_by_one_texels_) += texels_of(probes_[k]);
     }
     all_texels_ = beside_texels_ + one_by_one_texels_;
-    rooms_.resize(beside_.empty() ? 1 : threads);
+    scratch_.resize(beside_.empty() ? 1 : threads);
   }
 
-  /// By all threads: those that bake side by side would all wait for the one that makes them.
+  /// Makes the tables on all threads: probes that bake concurrently would all wait for the one that makes them.
   void make_tables(const Control& control) const {
-    int last = 0;  // probes of a call mostly have one size, and asking again for a table that is there is cheap
+    int last = 0;  // mostly all probes have one size, and repeated calls are cheap
     for (const std::size_t k : beside_) {
       const int size = probes_[k].size;
       if (size != std::exchange(last, size)) reflections::make_tables(plan_, size, control);
@@ -129,7 +129,7 @@ class ManyBakes {
   }
 
   void run_beside(const Control& control) {
-    jobs::run_tiles(beside_.size(), jobs::Placement::arena, rooms_.size(), control,
+    jobs::run_tiles(beside_.size(), jobs::Placement::arena, scratch_.size(), control,
                     [&](std::size_t tile, std::size_t worker) {
                       const jobs::OneThread alone;
                       rejection_.guard(beside_[tile], [&] { bake_probe(beside_[tile], worker, {control.stop}); });
@@ -144,11 +144,11 @@ class ManyBakes {
     made.diagnostics = std::move(light.diagnostics);
     made.diagnostics.passes = {};
 
-    PrefilteredSpecular chain = reflections::prefilter(probes_[k], plan_, pixels_, std::move(rooms_[worker]),
+    PrefilteredSpecular chain = reflections::prefilter(probes_[k], plan_, pixels_, std::move(scratch_[worker]),
                                                        jobs::part_of(control, kProjected, 0.95));
     made.values_clamped = store_texels(chain.cubemap, targets_of(k), jobs::part_of(control, 0.95, 1.0));
     made.peak_bytes = chain.peak_bytes + chain.cubemap.bytes();
-    rooms_[worker] = std::move(chain.cubemap);
+    scratch_[worker] = std::move(chain.cubemap);
   }
 
   [[nodiscard]] std::span<const CubemapTarget> targets_of(std::size_t k) const {
@@ -169,7 +169,7 @@ class ManyBakes {
   std::int64_t beside_texels_ = 0;
   std::int64_t one_by_one_texels_ = 0;
   std::int64_t all_texels_ = 0;
-  std::vector<Cubemap> rooms_;  ///< of each worker: the chain before it goes to its targets
+  std::vector<Cubemap> scratch_;  ///< per worker: the chain before it goes to its targets
   jobs::FirstRejection rejection_;
 };
 

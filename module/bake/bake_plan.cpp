@@ -1,4 +1,4 @@
-// Which passes a bake has: run, reused or left out, why, in what memory, and what waits for what.
+// Decides which passes a bake has: run, reused or left out, why, in what memory, and what waits for what.
 #include "bake/bake_plan.h"
 
 #include <algorithm>
@@ -56,9 +56,9 @@ constexpr std::uint64_t kSmallChange = std::uint64_t{2} << 20U;  ///< scratch sp
 
 std::uint64_t squared(int edge) { return static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge); }
 
-// What work takes: memory, and nanoseconds of one thread.
+// The cost of work: memory, and nanoseconds on one thread.
 
-/// Of the transform: orders times rings, in groups of lanes.
+/// Returns the bytes of the transform's columns: orders times rings, in groups of lanes.
 std::uint64_t columns_bytes(int bands, int rings) {
   const auto groups = static_cast<std::uint64_t>((rings + 1) / 2 + transforms::kRingLanes) / transforms::kRingLanes;
   return static_cast<std::uint64_t>(bands) * groups * transforms::kColumnFloats * sizeof(float);
@@ -74,7 +74,7 @@ reflections::ImageShape image_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Of the transform that spectral mips share, and of the lights beside it.
+/// Returns the bytes of the transform that spectral mips share, and of the lights next to it.
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
@@ -87,17 +87,17 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
   const reflections::BrightSearch search = reflections::search_for_bright_texels(
       source.cubemap, source.columns, source.rows, plan.light_alpha, reflections::kMaxBright);
   if (search.texels == 0) return bytes;
-  if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without them
+  if (source.cubemap) bytes += kTexelBytes * source.texels();  // a copy without the bright texels
   return std::max<std::uint64_t>(bytes, search.bytes) +
          reflections::BrightLights::most_bytes(search.texels, image_of(source), plan.lights,
                                                jobs::worker_count(jobs::Placement::arena));
 }
 
-/// What one step of the prefilter holds when all mips are being made.
+/// Returns the bytes that one step of the prefilter holds when all mips are being made.
 std::uint64_t bytes_of_step(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
-  std::uint64_t records = 0;  // of one narrow mip after the other
+  std::uint64_t records = 0;  // narrow mips follow one another
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.near.face == 0) continue;
     const std::uint64_t texels =
@@ -135,12 +135,12 @@ std::uint64_t prefilter_bytes(const SourceShape& source, const reflections::Pref
 
 double cube_texels(int edge) { return 6.0 * edge * edge; }
 
-/// How a cubemap is reduced by a power of two: as its mips are.
+/// Returns whether a cubemap is reduced by a power of two, as its mips are.
 bool halves(int source_size, int size) {
   return source_size % size == 0 && std::has_single_bit(static_cast<unsigned>(source_size / size));
 }
 
-/// A texel of the result takes a look; where it is coarser than the source, all of what it covers.
+/// Returns the cost of resampling: a lookup per texel of the result, plus one per source texel if the source is finer.
 double resampling(const SourceShape& source, int size) {
   const auto texels = static_cast<double>(source.texels());
   if (source.cubemap && source.columns == size) return 0.25 * texels;
@@ -148,7 +148,7 @@ double resampling(const SourceShape& source, int size) {
   return source.cubemap ? 290.0 * cube_texels(size) + 450.0 * texels : 5.3 * cube_texels(size) + 0.9 * texels;
 }
 
-/// Both halves of a transform: rings by Fourier, orders by Legendre.
+/// Returns the cost of both halves of a transform: rings by Fourier, orders by Legendre.
 double transforming(double rings, double columns, int bands) {
   return 1.7 * rings * columns + 0.09 * bands * bands * rings;
 }
@@ -175,11 +175,11 @@ double prefiltering(const SourceShape& source, const reflections::PrefilterPlan&
   return sum;
 }
 
-/// What a pass takes.
+/// The cost of a pass.
 struct Work {
   double weight = 0.0;  ///< see `BakeStep`
   std::uint64_t result_bytes = 0;
-  std::uint64_t working_bytes = 0;  ///< beside the result
+  std::uint64_t working_bytes = 0;  ///< in addition to the result
 };
 
 Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan& plan) {
@@ -188,7 +188,7 @@ Work prefilter_work(const SourceShape& source, const reflections::PrefilterPlan&
           prefilter_bytes(source, plan)};
 }
 
-// What is said of it.
+// Texts of reasons.
 
 constexpr const char* kNotAskedFor = "not requested";
 
@@ -221,7 +221,7 @@ void check(const BakeOptions& options) {
   if (options.brdf) reflections::check_brdf(*options.brdf);
 }
 
-/// Puts a plan together: one function a pass.
+/// Builds a plan, with one function per pass.
 class BakePlanner {
  public:
   BakePlanner(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored)
@@ -300,7 +300,7 @@ class BakePlanner {
   void sanitize() {
     if (!plan_.prefilter && plan_.background_size == 0 && !convolves())
       return skip(BakePass::sanitize, "only the projection reads pixels, and sanitizes them itself");
-    // The memory is for a copy either way: the source's own pixels may turn out not to be clean.
+    // The memory is for a copy in either case: the source's pixels may turn out not to be clean.
     const Work work{0.3 * source_texels(), 0, kTexelBytes * source_.texels()};
     if (source_.format == PixelFormat::rgb32f && !options_.pixels.clamp && !options_.pixels.gamma) {
       add(BakePass::sanitize, PassAction::reuse, "RGB floats are checked, and copied only if some are invalid", work);
@@ -430,7 +430,7 @@ class BakePlanner {
   const SourceShape& source_;
   const BakeOptions& options_;
   const StoredKinds& stored_;
-  int projected_bands_ = 0;  ///< 0: nothing is projected
+  int projected_bands_ = 0;  ///< 0 if nothing is projected
   BakePlan plan_;
 };
 

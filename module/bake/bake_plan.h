@@ -1,4 +1,4 @@
-// What a bake will do and what memory it needs: settled before any of it runs.
+// The plan of a bake: what it will do and what memory it needs, settled before any of it runs.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace welkin::baking {
 
-/// The passes, in the order in which they are planned and recorded. The last is there only where it is asked for.
+/// The passes, in the order in which they are planned and recorded. The last exists only if it was requested.
 enum class BakePass { sanitize, specular, background, background_mips, project, irradiance, brdf, octahedral };
 
 /// "sanitize", "specular", "background", "background mips", "project", "irradiance", "brdf", "octahedral"
@@ -21,11 +21,11 @@ enum class BakePass { sanitize, specular, background, background_mips, project, 
 struct BakeStep {
   BakePass pass;
   PlannedPass planned;
-  double weight;                ///< nanoseconds of one thread, roughly: for the order of passes and the progress
-  std::vector<BakePass> after;  ///< that must have ended; of those that are skipped nothing is waited for
+  double weight;                ///< rough nanoseconds on one thread: for the order of passes and the progress
+  std::vector<BakePass> after;  ///< passes that must have ended; skipped ones count as ended
 };
 
-/// What came with the pixels: of what kind, not what it is.
+/// The kinds and sizes of the results that came with the pixels, without their values.
 struct StoredKinds {
   int harmonics_bands = 0;    ///< 0: none
   int specular_mips = 0;      ///< of a prefiltered chain; 0: none
@@ -36,52 +36,51 @@ struct StoredKinds {
 struct BakePlan {
   int background_size = 0;    ///< 0: none
   int background_levels = 0;  ///< 0: none
-  /// The mips that are computed; none if the chain is stored, or not asked for.
+  /// The mips that are computed; none if the chain is stored or not requested.
   std::optional<reflections::PrefilterPlan> prefilter;
   bool same_level = false;  ///< specular mip 0 is the background's level 0
   bool stored_harmonics = false;
-  IrradianceMethod irradiance =
-      IrradianceMethod::automatic;  ///< `harmonics` also where those that are stored are taken
-  /// By which the automatic method makes irradiance: alone, or where it shares a chain's harmonics that whole chain.
+  IrradianceMethod irradiance = IrradianceMethod::automatic;  ///< `harmonics` also where stored ones are used
+  /// The plan by which the automatic method makes irradiance: its own, or that of the chain whose harmonics it shares.
   std::optional<reflections::PrefilterPlan> irradiance_plan;
-  bool shares_harmonics = false;  ///< then `prefilter` has irradiance too
+  bool shares_harmonics = false;  ///< if true, `prefilter` has irradiance too
   bool stored_specular = false;
-  std::optional<OctahedralOptions> octahedral;  ///< with no more levels than there are mips
+  std::optional<OctahedralOptions> octahedral;  ///< has no more levels than there are mips
   bool stored_background = false;
   ProjectionOptions projecting{};
 
   std::uint64_t result_bytes = 0;
-  std::uint64_t working_bytes = 0;  ///< at most: of all that may run at the same time
-  std::vector<BakeStep> steps;      ///< each pass once: what is run, planned and recorded
+  std::uint64_t working_bytes = 0;  ///< upper bound for all passes that may run at once
+  std::vector<BakeStep> steps;      ///< each pass once: run, planned and recorded
 
   [[nodiscard]] const BakeStep& step(BakePass pass) const { return steps[static_cast<std::size_t>(pass)]; }
   [[nodiscard]] bool runs(BakePass pass) const { return step(pass).planned.action != PassAction::skip; }
-  /// Whether an irradiance cubemap is made of the pixels themselves.
+  /// Returns whether an irradiance cubemap is made of the pixels themselves.
   [[nodiscard]] bool convolves() const {
     return runs(BakePass::irradiance) && irradiance != IrradianceMethod::harmonics;
   }
 };
 
-/// Throws `Error` (invalid_argument) for options that are out of range or do not go together.
+/// Plans a bake. Throws `Error` (invalid_argument) for options that are out of range or do not go together.
 [[nodiscard]] BakePlan plan_bake(const SourceShape& source, const BakeOptions& options, const StoredKinds& stored = {});
 
-/// The background's size; 0: there is none.
+/// Returns the background's size; 0 if there is none.
 [[nodiscard]] int background_size(const SourceShape& source, const BakeOptions& options);
 
-/// The pass "specular" of a bake that computes these mips.
+/// Returns the pass "specular" of a bake that computes these mips.
 [[nodiscard]] PlannedPass plan_prefilter_pass(const SourceShape& source, const reflections::PrefilterPlan& plan);
 
-/// Texels of a chain of cubemaps.
+/// Returns the texels of a chain of cubemaps.
 [[nodiscard]] std::uint64_t chain_texels(int size, int levels) noexcept;
 
 /// Throws `Error` (limit_exceeded) if the plan needs more than the options allow.
 void require_memory(const BakePlan& plan, const BakeOptions& options);
 
-// A bake of everything, less what a scene does not need.
+// A bake of everything, minus the passes that a scene does not need.
 
 struct NeededOptions {
   BakeOptions options;
-  std::map<BakePass, std::string> left_out{};  ///< why a pass of the whole bake falls away
+  std::map<BakePass, std::string> left_out{};  ///< why a pass of the whole bake is left out
   std::string unused_mips{};                   ///< for the chain's reason: "; left out: 1 sharper, 0 rougher", or empty
 };
 
@@ -100,9 +99,9 @@ struct UsedMips {
 /// Reduces a chain to the mips that are used, and returns a text for `NeededOptions::unused_mips`.
 [[nodiscard]] std::string keep_used_mips(const RoughnessRange& range, PrefilterOptions& options);
 
-// Plans put together: what photographs and files have in common.
+// Making plans, for photographs and files alike.
 
-/// `stored`: what the source brings along and may be taken.
+/// `stored`: the usable results that the source brings along.
 [[nodiscard]] Plan plan_pixels(const SourceShape& source, const NeededOptions& needed, const StoredKinds& stored);
 
 /// Returns the pass of that name. Throws `Error` (invalid_argument) if there is none.

@@ -1,4 +1,4 @@
-// Plans for people: a bake of everything, less what a scene does not need, as tables of passes.
+// Plans for people: a bake of everything, minus what a scene does not need, as tables of passes.
 #include <algorithm>
 #include <charconv>
 #include <string>
@@ -55,7 +55,7 @@ void need_reflections(const SceneNeeds& needs, NeededOptions& needed) {
   }
 }
 
-/// Comes first: the background's size must not follow the specular cubemap's when that is made smaller or not at all.
+/// Runs first: the background's size must not follow the specular cubemap's if that is made smaller or not at all.
 void need_background(const SourceShape& source, const SceneNeeds& needs, NeededOptions& needed) {
   std::optional<BackgroundOptions>& background = needed.options.background;
   if (!background) return;
@@ -74,7 +74,7 @@ void need_background(const SourceShape& source, const SceneNeeds& needs, NeededO
 
 UsedMips used_mips(const std::vector<double>& roughness, const RoughnessRange& range) {
   const auto mips = static_cast<int>(roughness.size());
-  if (!platform::ranges::is_sorted(roughness)) return {0, mips};  // who knows where shaders look
+  if (!platform::ranges::is_sorted(roughness)) return {0, mips};  // unknown which mips shaders read
   const auto at = [&](int mip) { return roughness[static_cast<std::size_t>(mip)]; };
   int first = 0;
   while (first + 1 < mips && at(first + 1) <= range.minimum) ++first;
@@ -181,7 +181,7 @@ std::string bytes_text(std::uint64_t bytes) {
   return platform::number_text(static_cast<double>(bytes) / kMebibyte, std::chars_format::fixed, 2);
 }
 
-/// Of passes of that name together: the sky's tables have one for every three wavelengths.
+/// Returns the last record of that name, and adds up their times: the sky's tables have one per three wavelengths.
 const PassRecord* record_of(const std::vector<PassRecord>& measured, const std::string& name, double& milliseconds) {
   const PassRecord* found = nullptr;
   milliseconds = 0.0;

@@ -1,4 +1,4 @@
-// Plans for skies carried out.
+// Carries out plans for skies.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -58,7 +58,7 @@ SkyBakeOptions needed_options(const SceneNeeds& needs, const SkyBakeOptions& ful
   return options;
 }
 
-/// Puts the passes together: one function a group of them.
+/// Builds the list of passes, with one function per group of them.
 class SkyPlanner {
  public:
   SkyPlanner(SkyPlan& plan, const SceneNeeds& needs, const SkyBakeOptions& full_options)
@@ -84,7 +84,7 @@ class SkyPlanner {
   static constexpr const char* kNotGlossy = "the scene has no glossy materials";
   static constexpr const char* kNoTables = "no pass uses the scattering tables";
 
-  /// `working`: bytes that it takes at most beside its result.
+  /// `working`: upper bound on the bytes that it needs in addition to its result.
   void add(SkyPass pass, std::string reason, std::uint64_t bytes, std::uint64_t working = 0) {
     plan_.passes.push_back({name(pass), PassAction::run, std::move(reason), bytes + working});
     plan_.result_bytes += bytes;
@@ -123,7 +123,7 @@ class SkyPlanner {
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
 
-  /// They have no pass of their own.
+  /// Plans the tables of matter, which have no pass of their own.
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     const auto in_tables = [&](SkyPass pass, bool there, const char* why_not, const std::string& reason) {
@@ -250,7 +250,7 @@ class SkyBaking {
   }
 
  private:
-  /// The tables' own records, where they have some of that name.
+  /// Records the tables' passes of that name, if they have any.
   bool record_of_tables(const std::string& name) {
     bool found = false;
     for (const PassRecord& record : sky_.tables ? sky_.tables->passes : std::vector<PassRecord>()) {
@@ -293,7 +293,7 @@ class SkyBaking {
         sky_.background = sky_cubemap(*view_, sun_, *options.background_size, {}, quiet_);
         break;
       case SkyPass::brdf: sky_.brdf = brdf_table(*options.brdf, quiet_); break;
-      // In the tables.
+      // Recorded with the tables.
       case SkyPass::transmittance:
       case SkyPass::sun_paths:
       case SkyPass::orders:
@@ -306,7 +306,7 @@ class SkyBaking {
   const SkyPlan& plan_;
   glm::dvec3 sun_;
   const Control& control_;
-  Control quiet_;  ///< stops, and reports nothing: what follows the tables is short
+  Control quiet_;  ///< can stop but reports no progress: what follows the tables is short
   std::optional<SkyView> view_;
   SkyBake sky_;
 };

@@ -1,4 +1,4 @@
-// The entries of bakes and prefilters: what was made before is found, the rest is kept when it is made.
+// The entries of bakes and prefilters: earlier results are found, and the others are kept when they are made.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -24,15 +24,14 @@ namespace {
 
 struct SanitizedPixels {
   ProjectionDiagnostics diagnostics;  ///< its total radiances are not filled in
-  glm::dvec3 clamped_radiance{};      ///< that the clamp took away
+  glm::dvec3 clamped_radiance{};      ///< removed by the clamp
 };
 
 EntryName sanitized_name(const ContentHash& source, const PixelPolicy& pixels) {
   return {EntryKind::projection, result_key("cleaned pixels", {source, pixel_key(pixels)})};
 }
 
-/// The entry is a projection's, whose total radiance before clamping is what the clamp
-/// took away.
+/// Finds the outcome in the entry of a projection, whose total radiance before clamping is that removed by the clamp.
 std::optional<SanitizedPixels> find_sanitized(ResultStore& store, const EntryName& name) {
   constexpr int bands = 1;
   auto found =
@@ -50,42 +49,42 @@ SanitizedPixels store_sanitized(ResultStore& store, const EntryName& name, const
   return {source.diagnostics(), source.clamped_radiance()};
 }
 
-// A prefiltered chain mip by mip: what was made before, for whatever chain, is not made again.
+// A prefiltered chain mip by mip: a mip that was made before, for any chain, is not made again.
 
-/// What a mip's bits depend on beside the source and how its pixels are sanitized: see `Prefilter`.
+/// Returns the key of all that a mip's bits depend on except the source and its sanitizing: see `Prefilter`.
 ContentHash mip_key(const reflections::PrefilterPlan& plan, const reflections::MipPlan& mip) {
   ByteWriter writer;
   writer.all(mip.size, mip.roughness, mip.lobe_roughness, name(mip.method));
   if (plan.family != LobeFamily::ggx) {
-    // All lobes of a chain decide together which texels are taken out and how many bands there are.
+    // All lobes of a chain together decide which texels are extracted and how many bands there are.
     writer.all(plan.family, plan.size);
     for (const std::vector<double>& numbers : plan.family_numbers) writer.put(numbers);
     writer.put(plan.bounds.rms);
   } else if (mip.method == MipMethod::spectral || mip.method == MipMethod::near_far) {
-    // The narrowest lobe of the whole chain decides which texels are taken out, how many bands there are, and a
+    // The narrowest lobe of the whole chain decides which texels are extracted, how many bands there are, and a
     // cubemap's rings.
     writer.all(plan.bounds.rms, plan.bounds.maximum, plan.may_integrate);
     for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k) {
-      // Which of these are summed near by is decided for all together.
+      // Which of these are summed nearby is decided for all together.
       if (plan.spectral_lobes[k]->alpha() >= reflections::kMaxNearAlpha) continue;
       writer.all(plan.spectral_lobes[k]->alpha(), plan.spectral_sizes[k]);
     }
-    writer.put(plan.near_far_size);  // as many bands as its far part takes
+    writer.put(plan.near_far_size);  // the bands that its far part takes
   }
   return writer.hash();
 }
 
-/// A chain while it is put together.
+/// A chain that is being put together.
 class StoredChain {
  public:
-  /// Looks for all mips that `plan` makes of a source. `source`: hash of its pixels.
+  /// Finds all mips that `plan` makes of a source. `source`: hash of its pixels.
   StoredChain(ResultStore& store, const ContentHash& source, const PixelPolicy& pixels,
               const reflections::PrefilterPlan& plan, memory_resource* memory)
       : store_(store),
         plan_(plan),
         chain_(plan.mips.front().size, static_cast<int>(plan.mips.size()), memory),
         mips_(plan.mips.size()) {
-    plan_.energies = std::make_shared<std::vector<float>>();  // those of other mips' entries may be of another chain
+    plan_.energies = std::make_shared<std::vector<float>>();  // those in other mips' entries may be another chain's
     for (std::size_t mip = 0; mip < mips_.size(); ++mip) {
       const auto level = static_cast<int>(mip);
       const ContentHash key = result_key("specular mip", {source, pixel_key(pixels), mip_key(plan, plan.mips[mip])});
@@ -105,16 +104,16 @@ class StoredChain {
     }
   }
 
-  /// The plan of what is missing, from the first such mip to the last; nothing if the chain is complete.
+  /// Returns the plan of what is missing, from the first such mip to the last; empty if the chain is complete.
   [[nodiscard]] std::optional<reflections::PrefilterPlan> missing() const {
     if (first_missing_ == end_missing_) return std::nullopt;
     return plan_.without(static_cast<int>(first_missing_), static_cast<int>(mips_.size() - end_missing_));
   }
 
-  /// By what decides the bits of a mip.
+  /// Returns the key of all that decides the bits of a mip.
   [[nodiscard]] const ContentHash& key(int mip) const { return names_[static_cast<std::size_t>(mip)].key; }
 
-  /// Takes that chain over, and keeps its mips for others.
+  /// Takes the mips of a chain, and keeps them for later bakes.
   void add(PrefilteredSpecular made) {
     for (std::size_t mip = first_missing_; mip < end_missing_; ++mip) {
       const std::size_t level = mip - first_missing_;
@@ -130,9 +129,9 @@ class StoredChain {
     made_ = std::move(made);
   }
 
-  [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }  ///< that finding took
+  [[nodiscard]] double milliseconds() const noexcept { return milliseconds_; }  ///< time that finding took
 
-  /// "found on disk", "3 of 5 mips found on disk"; empty: none.
+  /// Returns "found on disk", "3 of 5 mips found on disk"; empty if none was.
   [[nodiscard]] std::string found_text() const {
     const std::size_t found = mips_.size() - (end_missing_ - first_missing_);
     if (found == 0) return {};
@@ -140,14 +139,14 @@ class StoredChain {
     return std::to_string(found) + " of " + std::to_string(mips_.size()) + " mips " + where_;
   }
 
-  /// The whole chain; of its `pixels` only the passes are filled in. Once.
+  /// Returns the whole chain, once; of its `pixels` only the passes are filled in.
   [[nodiscard]] PrefilteredSpecular take() {
     PrefilteredSpecular whole;
     whole.cubemap = std::move(chain_);
     for (std::size_t k = 0; k < mips_.size(); ++k) {
       MipRecord& mip = whole.mips.emplace_back(*mips_[k]);
       const std::optional<reflections::MipPair>& pair = plan_.mips[k].to_next;
-      mip.error_between.reset();  // the next mip may be another than that of the chain that this one was made in
+      mip.error_between.reset();  // the next mip may differ from that in the chain that it was made for
       if (pair && !plan_.energies->empty())
         mip.error_between = reflections::error_between(*pair, plan_.lookups, *plan_.energies);
     }
@@ -184,7 +183,7 @@ using cache::EntryKind;
 using cache::EntryName;
 using cache::hash_of;
 
-/// What the bits of irradiance depend on where it shares a chain's harmonics, or not.
+/// Returns the key of what irradiance depends on, whether or not it shares a chain's harmonics.
 ContentHash shared_key(const baking::BakePlan& plan) {
   if (!plan.shares_harmonics) return hash_of(false);
   const reflections::PrefilterPlan& chain = *plan.irradiance_plan;
@@ -254,7 +253,7 @@ class BakeEntries final : public baking::ArtefactStore {
   }
 
  private:
-  /// By what decides the bits of each.
+  /// Names each entry by the key of all that decides its bits.
   void name_entries(const EnvironmentView& view, const BakeOptions& options, const baking::BakePlan& plan,
                     const Control& control) {
     source_ = hash_pixels(view, control);
@@ -276,7 +275,7 @@ class BakeEntries final : public baking::ArtefactStore {
     }
   }
 
-  /// By the mips that it is made of.
+  /// Names the entry by the mips that the map is made of.
   void name_octahedral(const OctahedralOptions& options) {
     const auto& [size, levels, border] = options;
     std::vector<ContentHash> parts{hash_of(size, levels, border)};
@@ -339,7 +338,7 @@ PrefilteredSpecular ResultCache::prefilter_specular(const EnvironmentView& sourc
     sanitized_bytes = texels.bytes();
     sanitized = cache::store_sanitized(*store_, sanitized_entry, texels);
     if (missing) {
-      // Only the whole chain is a result.
+      // Only the whole chain counts as a result.
       Control making = jobs::part_of(control, cache::kHashing, 1.0);
       making.memory = nullptr;
       chain.add(reflections::prefilter(texels, *missing, {}, making));

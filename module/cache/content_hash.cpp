@@ -1,4 +1,4 @@
-// The only file that knows xxHash. All of it is inlined here: whoever links Welkin needs no library for it.
+// The only file that includes xxHash. All of it is inlined here: programs that link Welkin do not need the library.
 #include "welkin/result_cache.h"
 
 #define XXH_INLINE_ALL
@@ -24,7 +24,7 @@ constexpr std::size_t kFileBlockBytes = std::size_t{1} << 20U;
 
 ContentHash of(const XXH128_hash_t& hash) noexcept { return {hash.high64, hash.low64}; }
 
-/// Some of an image: one face, or all of a lat-long.
+/// A part of an image: one face, or all of a lat-long.
 struct Plane {
   const std::byte* first_row;
   std::size_t row_bytes;
@@ -50,15 +50,15 @@ ContentHash hash_block(const Plane& plane, std::size_t block) noexcept {
   return of(XXH3_128bits_digest(&state));
 }
 
-/// The hash of each plane: its shape's (what pixels mean, beside their bytes) and its blocks', in order. All planes
-/// have one shape.
+/// Returns the hash of each plane, over its shape's hash (what pixels mean, without their bytes) and the hashes of its
+/// blocks, in order. All planes have one shape.
 std::vector<ContentHash> hash_planes(std::span<const Plane> planes, const ContentHash& shape, const Control& control) {
   const std::size_t blocks = planes.front().blocks();
   const std::size_t each = blocks + 1;
   std::vector<ContentHash> parts(planes.size() * each);
   for (std::size_t plane = 0; plane < planes.size(); ++plane) parts[plane * each] = shape;
   const std::size_t bytes = planes.size() * planes.front().row_bytes * static_cast<std::size_t>(planes.front().rows);
-  // In texels of 12 bytes, which a projection takes about as long for.
+  // In units of 12 bytes, a texel, which a projection takes about as long for.
   const jobs::Placement placement = jobs::placement_for(static_cast<std::int64_t>(bytes / 12));
   jobs::run_tiles(planes.size() * blocks, placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t) {

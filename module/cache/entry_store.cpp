@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kExtension = ".welkin-entry";
 
-/// A regular file of the stated length, which is possible, with the right name inside and the right sum; what it holds.
+/// Returns the payload of a regular file if its length is possible and as stated, and its name and sum are right.
 std::optional<std::vector<std::uint8_t>> sound_payload(platform::SharedFile& file, const EntryName& name,
                                                        std::uint64_t most_bytes) {
   const std::optional<std::uint64_t> size = file.size();
@@ -40,7 +40,7 @@ bool has_only(std::string_view text, std::string_view letters) {
   return !text.empty() && text.find_first_not_of(letters) == std::string_view::npos;
 }
 
-/// As `EntryFolder::path_of` has them: a hash and a kind.
+/// Returns whether a name is of the form of `EntryFolder::path_of`: a hash and a kind.
 bool is_entry(const std::filesystem::path& path) {
   constexpr std::size_t hash_letters = 32;
   const std::string name = platform::utf8(path.stem());
@@ -49,13 +49,13 @@ bool is_entry(const std::filesystem::path& path) {
          has_only(std::string_view(name).substr(hash_letters + 1), "0123456789");
 }
 
-/// All entries. A link is none, wherever it leads.
+/// Returns all entries. Links do not count.
 std::vector<Found> entries_in(const std::filesystem::path& folder) {
   std::vector<Found> entries;
   std::error_code failure;
   std::filesystem::directory_iterator at(folder, failure);
   for (; !failure && at != std::filesystem::directory_iterator(); at.increment(failure)) {
-    std::error_code gone;  // another process may have removed it
+    std::error_code gone;  // another process may have removed the entry
     const std::filesystem::path& path = at->path();
     if (!is_entry(path) || !std::filesystem::is_regular_file(at->symlink_status(gone))) continue;
     const auto used = std::filesystem::last_write_time(path, gone);
@@ -129,10 +129,10 @@ void EntryFolder::tidy() {
   std::sort(entries.begin(), entries.end(), [](const Found& a, const Found& b) { return a.used < b.used; });
   std::uint64_t bytes = 0;
   for (const Found& entry : entries) bytes += entry.bytes;
-  // Where looking takes long, some room is made, so that the next entry does not look again.
+  // Where listing takes long, extra space is freed, so that the next entry need not list again.
   constexpr std::size_t many = 1000;
-  const bool makes_room = bytes > bound_bytes_ && entries.size() > many;
-  const std::uint64_t rest = makes_room ? bound_bytes_ - bound_bytes_ / 10 : bound_bytes_;
+  const bool frees_extra = bytes > bound_bytes_ && entries.size() > many;
+  const std::uint64_t rest = frees_extra ? bound_bytes_ - bound_bytes_ / 10 : bound_bytes_;
   for (const Found& entry : entries) {
     if (bytes <= rest) break;
     std::error_code ignored;
@@ -184,25 +184,25 @@ bool is_payload_of(const EntryHeader& header, std::span<const std::uint8_t> payl
 
 Payload EntryMemory::find(const EntryName& name) {
   const std::scoped_lock lock(mutex_);
-  const auto place = places_.find(name);
-  if (place == places_.end()) return nullptr;
-  entries_.splice(entries_.begin(), entries_, place->second);
-  return place->second->payload;
+  const auto found = index_.find(name);
+  if (found == index_.end()) return nullptr;
+  entries_.splice(entries_.begin(), entries_, found->second);
+  return found->second->payload;
 }
 
 void EntryMemory::store(const EntryName& name, Payload payload) {
   if (payload->size() > bound_bytes_) return;
   const std::scoped_lock lock(mutex_);
-  if (const auto place = places_.find(name); place != places_.end()) erase(place->second);
+  if (const auto found = index_.find(name); found != index_.end()) erase(found->second);
   bytes_ += payload->size();
   entries_.push_front({name, std::move(payload)});
-  places_[name] = entries_.begin();
+  index_[name] = entries_.begin();
   while (bytes_ > bound_bytes_) erase(std::prev(entries_.end()));
 }
 
 void EntryMemory::remove(const EntryName& name) {
   const std::scoped_lock lock(mutex_);
-  if (const auto place = places_.find(name); place != places_.end()) erase(place->second);
+  if (const auto found = index_.find(name); found != index_.end()) erase(found->second);
 }
 
 std::uint64_t EntryMemory::bytes() const {
@@ -212,7 +212,7 @@ std::uint64_t EntryMemory::bytes() const {
 
 void EntryMemory::erase(std::list<Entry>::iterator entry) {
   bytes_ -= entry->payload->size();
-  places_.erase(entry->name);
+  index_.erase(entry->name);
   entries_.erase(entry);
 }
 

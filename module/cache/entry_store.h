@@ -19,7 +19,7 @@
 
 namespace welkin::cache {
 
-/// What a payload is. Numbers are on disks: they never change.
+/// The kind of a payload. The numbers are stored on disk and never change.
 enum class EntryKind : std::uint32_t {
   projection = 1,
   specular_mip = 2,
@@ -41,12 +41,12 @@ inline constexpr std::size_t kEntryHeaderBytes = 64;
 /// The bytes before the payload, all little-endian.
 struct EntryHeader {
   std::array<char, 8> magic{'W', 'L', 'K', 'N', 'E', 'N', 'T', '\n'};
-  std::uint32_t version = 1;  ///< of this form
+  std::uint32_t version = 1;  ///< of this format
   EntryKind kind{};
   ContentHash key;
   std::uint64_t payload_bytes = 0;
   ContentHash checksum;   ///< XXH3-128 of the payload
-  std::uint64_t sum = 0;  ///< XXH3 (low half) of all that came before
+  std::uint64_t sum = 0;  ///< XXH3 (low half) of all preceding bytes
 
   [[nodiscard]] EntryName name() const noexcept { return {kind, key}; }
 };
@@ -55,36 +55,36 @@ static_assert(sizeof(EntryHeader) == kEntryHeaderBytes && std::has_unique_object
 
 [[nodiscard]] EntryHeader entry_header(const EntryName& name, std::span<const std::uint8_t> payload);
 
-/// Nothing if these do not begin with a header of this version.
+/// Reads a header; empty if the bytes do not begin with one of this version.
 [[nodiscard]] std::optional<EntryHeader> read_entry_header(std::span<const std::uint8_t> bytes);
 
-/// Whether a payload is the one that is stated.
+/// Returns whether a payload matches the header.
 [[nodiscard]] bool is_payload_of(const EntryHeader& header, std::span<const std::uint8_t> payload);
 
 // Entries in a folder that any number of processes share.
 
-/// One file an entry, "<32 digits>-<kind>.welkin-entry"; no other file is ever touched, but for what our own writers
-/// left behind when they were killed. Thread-safe. Nothing here throws but std::bad_alloc: what fails is counted.
+/// Stores one file per entry, "<32 digits>-<kind>.welkin-entry". No other file is touched, except what our writers left
+/// behind when they were killed. Thread-safe. Only std::bad_alloc is thrown: other failures are counted.
 class EntryFolder {
  public:
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
 
-  /// Makes the folder.
+  /// Creates the folder.
   EntryFolder(const std::filesystem::path& folder, std::uint64_t bound_bytes);
 
-  /// The payload, and the entry counts as used now. Nothing if there is none, or none that is sound; that is removed. A
-  /// sound one has `most_bytes` at most: no memory is taken for more. A link is no entry, wherever it leads.
+  /// Returns the payload and marks the entry as used now. Empty if there is no sound one; a damaged one is removed. A
+  /// sound one has at most `most_bytes`: no memory is allocated for more. Links do not count as entries.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> find(const EntryName& name,
                                                               std::uint64_t most_bytes = kAnySize);
 
-  /// Written without a name, on the disk before it gets one. Then entries are removed, those used least recently first,
+  /// Writes a file without a name, and names it when it is on the disk. Then removes the least recently used entries
   /// until the folder is within its bound.
   void store(const EntryName& name, std::span<const std::uint8_t> payload);
 
-  /// Something was not kept, as `what` says.
+  /// Counts a payload that was not kept, for the reason `what`.
   void note_failure(const std::string& what);
 
-  /// What was found is not what it should be.
+  /// Removes an entry whose content is not what it should be.
   void remove_damaged(const EntryName& name);
 
   struct Counts {
@@ -101,7 +101,7 @@ class EntryFolder {
   std::filesystem::path folder_;
   std::uint64_t bound_bytes_;
   mutable std::mutex mutex_;
-  std::uint64_t bytes_ = 0;  ///< known of: others may have added to it
+  std::uint64_t bytes_ = 0;  ///< as known: other processes may have added to it
   Counts counts_;
 };
 
@@ -109,14 +109,14 @@ class EntryFolder {
 
 using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-/// Payloads within a bound on their bytes: those that were used last. Thread-safe.
+/// The most recently used payloads, within a bound on their bytes. Thread-safe.
 class EntryMemory {
  public:
   explicit EntryMemory(std::uint64_t bound_bytes) : bound_bytes_(bound_bytes) {}
 
-  /// Null if it is not here.
+  /// Returns null if the entry is not here.
   [[nodiscard]] Payload find(const EntryName& name);
-  /// One that is larger than the bound is not kept.
+  /// Keeps a payload unless it is larger than the bound.
   void store(const EntryName& name, Payload payload);
   void remove(const EntryName& name);
   [[nodiscard]] std::uint64_t bytes() const;
@@ -126,7 +126,7 @@ class EntryMemory {
     EntryName name;
     Payload payload;
   };
-  /// Keys are hashes already.
+  /// The identity: keys are hashes already.
   struct Hash {
     std::size_t operator()(const EntryName& name) const noexcept {
       return static_cast<std::size_t>(name.key.low ^ static_cast<std::uint64_t>(name.kind));
@@ -138,7 +138,7 @@ class EntryMemory {
   std::uint64_t bound_bytes_;
   mutable std::mutex mutex_;
   std::list<Entry> entries_;  ///< most recently used first
-  std::unordered_map<EntryName, std::list<Entry>::iterator, Hash> places_;
+  std::unordered_map<EntryName, std::list<Entry>::iterator, Hash> index_;
   std::uint64_t bytes_ = 0;
 };
 

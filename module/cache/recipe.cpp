@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kSmallChange = 4096;
 
-// One list of fields for both ways. Archive: `Saver` or `Loader`.
+// One list of fields for both directions. Archive: `Saver` or `Loader`.
 template <class Archive, class Vector>
 void vector_3(Archive& archive, Vector& value) {
   archive(value.x, value.y, value.z);
@@ -89,12 +89,12 @@ std::uint64_t chain_bytes(int size, int levels) { return 12 * baking::chain_texe
 
 std::size_t chain_values(const Cubemap& chain) { return chain.bytes() / sizeof(float); }
 
-/// `size` and `levels` of a chain that there can be.
+/// Loads a chain. `size` and `levels` are valid ones.
 Cubemap load_chain(Loader& loader, int size, int levels, memory_resource* memory) {
   int stored_size = 0;
   int stored_levels = 0;
   loader(stored_size, stored_levels);
-  // Before any memory is taken for it.
+  // Checked before any memory is allocated for it.
   if (stored_size != size || stored_levels != levels || chain_bytes(size, levels) > loader.remaining()) {
     loader.fail();
     return {};
@@ -227,8 +227,8 @@ std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(Byte
 
 namespace welkin {
 
-// Which fields of the options a result depends on. Each struct is taken apart by a structured binding: a field that is
-// added and not thought of here does not compile.
+// The fields of the options that a result depends on. Each struct is unpacked by a structured binding: a field that is
+// added but not handled here does not compile.
 
 ContentHash cache::hash_options(const ProjectionOptions& options) {
   const auto& [bands, quadrature, target_size, pixels] = options;

@@ -1,4 +1,4 @@
-// Values to bytes, and back with every length looked at: what is hashed, and what entries hold.
+// Converts values to bytes for hashing and for entries, and back with every length checked.
 #pragma once
 
 #include <array>
@@ -32,11 +32,11 @@ namespace welkin::cache {
 
 static_assert(std::endian::native == std::endian::little, "entries need their byte order turned here");
 
-/// Appends. Every value has one form: whole numbers and enumerators 8 bytes, real ones those of a double, and what has
-/// a length states it first, so that no two lists of values have the same bytes.
+/// Appends values. Each has one form: integers and enumerators as 8 bytes, reals as a double, and a value with a length
+/// states it first, so that no two lists of values have the same bytes.
 class ByteWriter {
  public:
-  /// Results that are megabytes are appended without growing step by step.
+  /// Reserves memory, so that results of megabytes are appended without growing step by step.
   explicit ByteWriter(std::size_t expected_bytes = 0) { bytes_.reserve(expected_bytes); }
 
   template <class Value>
@@ -55,7 +55,7 @@ class ByteWriter {
   void put(const char* text) { put(std::string_view(text)); }
   void put(const std::string& text) { put(std::string_view(text)); }
   void put(const ContentHash& hash) { all(hash.high, hash.low); }
-  // Each struct is taken apart by a structured binding: a field that is added and not thought of here does not compile.
+  // Each struct is unpacked by a structured binding: a field that is added but not handled here does not compile.
   void put(const RadianceClamp& clamp) {
     const auto& [maximum, preserve_colour] = clamp;
     all(maximum, preserve_colour);
@@ -85,9 +85,9 @@ class ByteWriter {
     (put(values), ...);
   }
 
-  /// As they lie in memory.
+  /// Appends floats as they lie in memory.
   void floats(std::span<const float> values) { raw(values.data(), values.size_bytes()); }
-  /// Not inline: GCC 12 warns of writes past the end of vectors whose first capacity it knows.
+  /// Not inline: GCC 12 warns of writes past the end of vectors whose first capacity it can see.
   void raw(const void* bytes, std::size_t count);
 
   [[nodiscard]] ContentHash hash() const { return hash_bytes(bytes_.data(), bytes_.size()); }
@@ -99,7 +99,7 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Takes values back in the same order. Once something was not there, everything is zero and `sound` says so.
+/// Reads values back in the same order. After a value is missing, all are zero and `sound` returns false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
@@ -131,7 +131,7 @@ class ByteReader {
     raw(text.data(), length);
   }
 
-  /// A length of values that take at least `value_bytes` each: no more than the rest could hold.
+  /// Reads a count of values that take at least `value_bytes` each: at most as many as the remaining bytes can hold.
   [[nodiscard]] std::size_t count(std::size_t value_bytes) {
     std::uint64_t stated = 0;
     get(stated);
@@ -157,7 +157,7 @@ class ByteReader {
   }
   [[nodiscard]] std::size_t remaining() const noexcept { return rest_.size(); }
   [[nodiscard]] bool sound() const noexcept { return sound_; }
-  /// Everything was there and nothing is left.
+  /// Returns whether every value was there and no bytes are left.
   [[nodiscard]] bool complete() const noexcept { return sound_ && rest_.empty(); }
 
  private:
@@ -173,13 +173,13 @@ class ByteReader {
   bool sound_ = true;
 };
 
-// Results as bytes, and back. Decoding takes any bytes: what is not a whole and sound result of the shape that was
-// asked for is nothing.
+// Results as bytes, and back. Decoding accepts any bytes: it returns nothing unless they are a whole and sound result
+// of the requested shape.
 
 using Bytes = std::vector<std::uint8_t>;
 using ByteSpan = std::span<const std::uint8_t>;
 
-// What an entry's bytes can be at most: no more is read. Beside the numbers there are the words of passes.
+// Upper bounds on an entry's bytes: no more is read. In addition to the numbers there are the texts of passes.
 
 inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 
@@ -198,23 +198,23 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 [[nodiscard]] std::optional<Projection> decode_projection(ByteSpan bytes, int bands);
 [[nodiscard]] std::optional<Cubemap> decode_cubemap(ByteSpan bytes, int size, int levels,
                                                     memory_resource* memory = nullptr);
-/// As large as the options say.
+/// Decodes a map of the size that the options state.
 [[nodiscard]] std::optional<OctahedralMap> decode_octahedral(ByteSpan bytes, const OctahedralOptions& options);
-/// Into its place. Nothing is written unless all of a mip of that size is there. It took no time this time.
-/// `energies` takes those of the image, if they were stored.
+/// Decodes a mip into `texels`, which are written only if all of a mip of that size is there. Its time is 0. `energies`
+/// receives the image's energies, if they were stored.
 [[nodiscard]] std::optional<MipRecord> decode_mip(ByteSpan bytes, int size, float* texels,
                                                   std::vector<float>* energies = nullptr);
 [[nodiscard]] std::optional<std::shared_ptr<const projection::FaceSums>> decode_face_sums(ByteSpan bytes, int bands,
                                                                                           std::size_t tiles);
 
-// What passes over the pixels have in common.
+// The keys that passes over the pixels share.
 
-/// Of clamp, gamma and policies alone.
+/// Hashes clamp, gamma and policies only.
 [[nodiscard]] ContentHash pixel_key(const PixelPolicy& pixels);
 
 // The name under which a result is kept.
 
-/// The key of a result of this version. `what`: the call. The number is the one version of all keys: raise it with
+/// Returns the key of a result of this version. `what`: the call. The number is the version of all keys: raise it with
 /// every change of results' bits, of their form as bytes, or of the files and previews of `welkin bake`.
 [[nodiscard]] inline ContentHash result_key(const std::string& what, std::initializer_list<ContentHash> parts) {
   const std::string call = what + " " WELKIN_VERSION_STRING " 8";
@@ -226,7 +226,7 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 /// Hashes each face, independently of which face it is. Throws `Error` (invalid_argument).
 [[nodiscard]] std::array<ContentHash, 6> hash_faces(const CubemapView& cubemap, const Control& control);
 
-/// Hash every option that a result depends on: not memory limits, an atmosphere's name, or `pixels` that are ignored.
+/// Hashes every option that a result depends on: not memory limits, an atmosphere's name, or `pixels` that are ignored.
 [[nodiscard]] ContentHash hash_options(const ProjectionOptions& options);
 [[nodiscard]] ContentHash hash_options(const PrefilterOptions& options);
 [[nodiscard]] ContentHash hash_options(const BrdfTableOptions& options);
@@ -235,7 +235,7 @@ inline constexpr std::uint64_t kSmallPayload = std::uint64_t{1} << 20U;
 [[nodiscard]] ContentHash hash_options(const SkyTableOptions& options);
 [[nodiscard]] ContentHash hash_options(const Atmosphere& atmosphere);
 
-/// Of values in their order.
+/// Hashes values in their order.
 template <class... Values>
 [[nodiscard]] ContentHash hash_of(const Values&... values) {
   ByteWriter writer;

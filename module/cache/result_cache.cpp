@@ -39,7 +39,7 @@ EntryName face_name(const ContentHash& face, const ProjectionOptions& options) {
   return {EntryKind::face_sums, cache::result_key("face sums", {face, cache::hash_options(options)})};
 }
 
-/// By way of the sums of faces, of which `found_faces` were there.
+/// Projects from the sums of faces, of which `found_faces` were in the store.
 Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubemap,
                             const std::array<ContentHash, 6>& hashes, const ProjectionOptions& options,
                             std::size_t& found_faces, const Control& control) {
@@ -66,7 +66,7 @@ Projection project_by_faces(cache::ResultStore& store, const CubemapView& cubema
   return combine(faces);
 }
 
-/// A file that was written to, or is gone, is not what was hashed. What was made of it is sound all the same.
+/// Returns whether a file still has the hashed bytes. If not, what was made of them is sound all the same.
 bool is_still(const std::filesystem::path& path, const ContentHash& bytes) {
   try {
     return hash_file(path) == bytes;
@@ -80,7 +80,7 @@ void check(const LightTransform& change) {
     throw Error(ErrorCode::invalid_argument,
                 "exposure is " + platform::number_text(change.exposure) + "; it must be a finite factor of at least 0");
   }
-  // Refuses what is no rotation.
+  // Throws unless it is a rotation.
   static_cast<void>(rotate(SphericalHarmonics(1), change.rotation));
 }
 
@@ -150,7 +150,7 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
                      inspect_environment(path, read_options).layout != Layout::six_files;
   if (!whole) return welkin::project_file(path, read_options, options, control);
   const ContentHash bytes = hash_file(path, {control.stop, {}});
-  // The name says what kind of file some are, and which sixth of a cubemap. The limit decides whether it is refused.
+  // The name decides the format of some files, and the face of a cubemap. The limit decides whether one is refused.
   const std::string ending = platform::utf8(path.extension());
   const std::uint64_t limit = read_options.memory_limit_bytes;
   const EntryName name{
@@ -169,7 +169,7 @@ Projection ResultCache::project_file(const std::filesystem::path& path, const Re
 
 namespace {
 
-// An entry of sky tables is a file of them.
+// An entry of sky tables is a file of sky tables.
 
 cache::Bytes encode_sky(const SkyTables& tables) {
   std::vector<std::byte> file;
@@ -178,7 +178,7 @@ cache::Bytes encode_sky(const SkyTables& tables) {
   return {first, first + file.size()};
 }
 
-/// With the caller's atmosphere and options.
+/// Decodes tables, with the caller's atmosphere and options.
 std::optional<SkyTables> decode_sky(cache::ByteSpan entry, const Atmosphere& atmosphere,
                                     const SkyTableOptions& options) {
   try {
@@ -202,7 +202,7 @@ SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTab
   const platform::FloatingPointScope floating_point;
   const EntryName name{EntryKind::sky_tables, cache::result_key("sky tables", {cache::hash_options(atmosphere),
                                                                                cache::hash_options(options)})};
-  // Checks the arguments; what is refused without a cache is refused here.
+  // Checks the arguments: what is refused without a cache is refused here.
   const std::uint64_t most_bytes = sky::sky_table_bytes(atmosphere, options);
   const bool within_limit = most_bytes <= options.memory_limit_bytes;
   const auto decode = [&](cache::ByteSpan entry) { return decode_sky(entry, atmosphere, options); };
@@ -212,7 +212,7 @@ SkyTables ResultCache::precompute_sky(const Atmosphere& atmosphere, const SkyTab
     return std::move(found->value);
   }
   SkyTables tables = welkin::precompute_sky(atmosphere, options, control);
-  std::string planet = std::exchange(tables.atmosphere.name, {});  // no part of the key
+  std::string planet = std::exchange(tables.atmosphere.name, {});  // not part of the key
   store_->store(name, [&] { return encode_sky(tables); });
   tables.atmosphere.name = std::move(planet);
   return tables;

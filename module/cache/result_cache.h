@@ -1,4 +1,4 @@
-// Where results are looked for: in memory, then on disk.
+// The store of results: looked up in memory, then on disk.
 #pragma once
 
 #include <atomic>
@@ -23,8 +23,8 @@ class ResultStore {
     if (!options.folder.empty()) folder_.emplace(options.folder, options.disk_bytes);
   }
 
-  /// What `decode` makes of the entry, whose payload can have `most_bytes`; an entry that it makes nothing of is
-  /// removed. Where there is no memory for it, it is not found.
+  /// Returns what `decode` makes of the entry, whose payload has at most `most_bytes`; an entry that it cannot decode
+  /// is removed. Without enough memory the entry counts as not found.
   template <class Decode>
   auto find(const EntryName& name, std::uint64_t most_bytes, const Decode& decode)
       -> std::optional<baking::Found<typename decltype(decode(ByteSpan{}))::value_type>> {
@@ -52,7 +52,7 @@ class ResultStore {
     return Found{std::move(*result), on_disk ? "found on disk" : "found in memory", watch.milliseconds()};
   }
 
-  /// Keeps what `encode` gives, if there is memory for that.
+  /// Keeps what `encode` returns, if there is enough memory for it.
   template <class Encode>
   void store(const EntryName& name, const Encode& encode) {
     try {
@@ -89,7 +89,7 @@ class ResultStore {
 
 inline constexpr double kHashing = 0.1;  ///< of the progress
 
-/// Passes of a result that was found: what had been run is reused.
+/// Marks the passes of a result that was found: those that had been run are reused.
 inline void mark_reused(std::vector<PassRecord>& passes, const std::string& where, double milliseconds) {
   for (PassRecord& pass : passes) {
     if (pass.action == PassAction::run) pass.action = PassAction::reuse;
@@ -98,12 +98,12 @@ inline void mark_reused(std::vector<PassRecord>& passes, const std::string& wher
   passes.insert(passes.begin(), {"cache", PassAction::reuse, where, milliseconds});
 }
 
-/// The entry of `project`, and of a bake's projection.
+/// Returns the name of the entry of `project`, and of a bake's projection.
 [[nodiscard]] inline EntryName projection_name(const ContentHash& pixels, const ProjectionOptions& options) {
   return {EntryKind::projection, result_key("project", {pixels, hash_options(options)})};
 }
 
-/// One whose passes say that it was found.
+/// Finds a projection, whose passes then say that it was found.
 inline std::optional<Projection> find_projection(ResultStore& store, const EntryName& name, int bands) {
   auto found =
       store.find(name, projection_bytes(bands), [bands](ByteSpan bytes) { return decode_projection(bytes, bands); });

@@ -1,4 +1,4 @@
-// Blocks of ASTC, by the library astcenc.
+// Encodes ASTC blocks with the library astcenc.
 #include <astcenc.h>
 
 #include <algorithm>
@@ -19,17 +19,17 @@ namespace welkin::files {
 namespace {
 
 constexpr std::size_t kBlockBytes = 16;
-/// In a row, of a tile: some milliseconds of work, so that a call can be cancelled soon.
+/// Blocks of a row per tile: some milliseconds of work, so that a call can be cancelled soon.
 constexpr int kTileBlocks = 64;
 constexpr unsigned kOneThread = 1;
-constexpr unsigned kThread = 0;  ///< the index of a context's only one
+constexpr unsigned kThread = 0;  ///< the index of a context's only thread
 
 struct FreeContext {
   void operator()(astcenc_context* context) const noexcept { astcenc_context_free(context); }
 };
 using Context = std::unique_ptr<astcenc_context, FreeContext>;
 
-/// All arguments are our own, so that what can go wrong is the memory, or a library that is not what it says.
+/// Welkin makes all arguments, so only the memory can fail, or a mismatched library.
 void require_success(astcenc_error error) {
   if (error == ASTCENC_SUCCESS) return;
   if (error == ASTCENC_ERR_OUT_OF_MEM) throw std::bad_alloc();
@@ -46,7 +46,7 @@ Context context_for(astcenc_profile profile, TexelKind kind, float quality, unsi
   return Context(context);
 }
 
-/// An image of RGBA floats, as astcenc wants one.
+/// An image of RGBA floats in astcenc's form.
 class Image {
  public:
   Image(int width, int height)
@@ -89,15 +89,15 @@ float quality_of(AstcEffort effort) {
   throw Error(ErrorCode::invalid_argument, "the effort for ASTC is not one of the enumerators; pass one of them");
 }
 
-/// In smaller levels, which have few blocks, visible changes would be needed to keep the mean.
+/// Smaller levels have few blocks, whose changes would have to be visible to keep the mean.
 constexpr int kBalancedWidth = 16;
 
-/// Blocks of one image that are encoded together: neighbours in one row of blocks.
+/// Blocks of an image that are encoded together: neighbours in a row of blocks.
 struct Tile {
   std::size_t level;
-  std::size_t image;  ///< of the level's
+  std::size_t image;  ///< index in the level
   int block_row;
-  int first_block;  ///< of the row
+  int first_block;  ///< in the row
   int blocks;
 };
 
@@ -116,7 +116,7 @@ std::vector<Tile> tiles_of(std::span<const std::vector<LatLongView>> levels, int
   return tiles;
 }
 
-/// The texels of some blocks.
+/// The texels of a run of blocks.
 struct Area {
   int left, top, width, height;
 };
@@ -127,7 +127,7 @@ Area area_of(const LatLongView& view, const Tile& tile, int edge) {
   return {left, top, std::min(tile.blocks * edge, view.width - left), std::min(edge, view.height - top)};
 }
 
-/// Writes texels of an image as floats that halves hold, and returns how many were clamped.
+/// Writes texels of an image as floats within the range of half floats, and returns how many were clamped.
 std::uint64_t read_area(const LatLongView& view, const Area& area, Image& image) {
   const auto [left, top, width, height] = area;
   std::vector<float> rgb(std::size_t{3} * static_cast<std::size_t>(width));
@@ -147,7 +147,7 @@ std::uint64_t read_area(const LatLongView& view, const Area& area, Image& image)
   return clamped;
 }
 
-/// Beyond the edge of an image astcenc repeats its texels.
+/// Encodes a row of blocks. Beyond the edge of an image astcenc repeats its texels.
 void encode(Image& image, int blocks, astcenc_context* context, std::uint8_t* to) {
   constexpr astcenc_swizzle opaque{ASTCENC_SWZ_R, ASTCENC_SWZ_G, ASTCENC_SWZ_B, ASTCENC_SWZ_1};
   require_success(astcenc_compress_reset(context));
@@ -163,8 +163,8 @@ void add_light(const Area& area, int edge, const float* rgba, image::BlockLight*
   }
 }
 
-/// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: astcenc gets texels that
-/// are scaled by what it lost of them.
+/// Encodes a level's brightest blocks again to keep each channel's mean as far as possible: astcenc receives texels
+/// that are scaled by the light that it lost.
 class Balancer {
  public:
   Balancer(const std::vector<LatLongView>& images, int edge, astcenc_context* context,
@@ -196,7 +196,7 @@ class Balancer {
   using Sums = image::ChannelSums;
   static constexpr int kSweeps = 3;
   static constexpr int kTrials = 32;
-  /// A total error of the means of this size costs as much as a mean squared relative error of 1.
+  /// A total error of the means of this size counts as much as a mean squared relative error of 1.
   static constexpr double kWorth = 0.01;
 
   [[nodiscard]] int across() const { return (images_.front().width + edge_ - 1) / edge_; }
@@ -212,7 +212,7 @@ class Balancer {
 
   struct Error {
     double squares = 0.0;  ///< of relative errors
-    Sums light{};          ///< too much
+    Sums light{};          ///< excess over the source
   };
 
   [[nodiscard]] Error error_of(const Area& area, Image& given, const std::uint8_t* bytes) const {
@@ -237,7 +237,7 @@ class Balancer {
     return excess(image::sum(rest, error.light)) + error.squares / (kWorth * values);
   }
 
-  /// Texels times a number for each channel, as far as halves hold them.
+  /// Returns texels times a factor per channel, clamped to the range of half floats.
   [[nodiscard]] static std::vector<float> scaled(std::span<const float> rgba, const Sums& scale) {
     std::vector<float> to(rgba.begin(), rgba.end());
     for (std::size_t k = 0; k < to.size(); ++k) {
@@ -258,7 +258,7 @@ class Balancer {
     }
     Error error = error_of(area, given, bytes_of(block));
     const Sums rest = image::sum(off_, error.light, -1.0);
-    double least = cost_of(rest, error);
+    double minimum_cost = cost_of(rest, error);
     Sums scale{1.0, 1.0, 1.0};
     Sums best_scale = scale;
     std::uint32_t state = 1;
@@ -268,7 +268,7 @@ class Balancer {
         const double got = light[c] + error.light[c];
         const double ratio = got > 0.0 ? wanted / got : 1.0;
         scale[c] *= ratio;
-        if (trial % 2 == 1) {  // what comes out moves in steps: look around the best, by up to 8 %
+        if (trial % 2 == 1) {  // the outcome moves in steps: try around the best, by up to 8 %
           state = 1664525U * state + 1013904223U;
           scale[c] = best_scale[c] * (0.92 + 0.16 * static_cast<double>(state >> 16U) / 65535.0);
         }
@@ -281,8 +281,8 @@ class Balancer {
       encode(changed, 1, context_, bytes.data());
       error = error_of(area, given, bytes.data());
       const double cost = cost_of(rest, error);
-      if (cost >= least || excess(image::sum(rest, error.light)) >= excess(off_)) continue;
-      least = cost;
+      if (cost >= minimum_cost || excess(image::sum(rest, error.light)) >= excess(off_)) continue;
+      minimum_cost = cost;
       best_scale = scale;
       off_ = image::sum(rest, error.light);
       std::copy_n(bytes.data(), kBlockBytes, bytes_of(block));
@@ -296,7 +296,7 @@ class Balancer {
   std::uint8_t* blocks_;
   Sums total_;
   std::vector<image::BlockShare> brightest_;
-  Sums off_{};  ///< what the level has too much of
+  Sums off_{};  ///< the level's excess over the source
 };
 
 }  // namespace
@@ -324,7 +324,7 @@ BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelK
   }
   const std::vector<Tile> tiles = tiles_of(levels, edge);
   std::vector<std::uint64_t> clamped(tiles.size());
-  // An encoder's texel takes a thousand times as long as those that a placement is chosen for.
+  // Encoding a texel takes a thousand times as long as the work that `placement_for` is tuned for.
   const jobs::Placement placement = tiles.size() > 1 ? jobs::Placement::arena : jobs::Placement::calling_thread;
   std::vector<Context> contexts(jobs::worker_count(placement));
   const auto context_of = [&](std::size_t worker) {

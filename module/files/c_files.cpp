@@ -50,7 +50,7 @@ ReadOptions file_options(const welkin_read_options* options) {
 
 namespace {
 
-/// C's paths are UTF-8.
+/// Converts a path of the C interface, which is UTF-8.
 std::filesystem::path file_path(const char* path) {
   require(path, "path");
   return platform::path_of(path);
@@ -59,7 +59,7 @@ std::filesystem::path file_path(const char* path) {
 }  // namespace
 }  // namespace welkin::c_interface
 
-// Entries of C have no namespace to be in.
+// Functions of the C interface have no namespace.
 using namespace welkin::c_interface;  // NOLINT(google-build-using-namespace,google-global-names-in-headers)
 
 welkin_status welkin_project_file(const char* path, const welkin_read_options* read_options,
@@ -130,7 +130,7 @@ TextureOptions texture_options(const welkin_texture_options* options) {
 
 namespace {
 
-/// As `inspect_stored_environment` reads them: numbers with a space between, each read back as the same double.
+/// Formats numbers as `inspect_stored_environment` reads them: separated by spaces, each read back as the same double.
 std::string roughness_text(std::span<const MipRecord> mips) {
   std::string text;
   for (const MipRecord& mip : mips) {
@@ -154,7 +154,7 @@ const welkin_chain& levels_of(const welkin_chain* chain, const char* name) {
   return *chain;
 }
 
-/// The chain once more, in memory that can be turned to another engine's axes.
+/// Copies the chain to memory that can be rotated to another engine's axes.
 Cubemap copy_of(const welkin_chain& chain) {
   Cubemap copy(chain.levels.front().size, static_cast<int>(chain.levels.size()), new_delete_resource());
   for (int level = 0; level < copy.levels(); ++level) {

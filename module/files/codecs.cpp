@@ -1,6 +1,6 @@
-// What this build can read and write, and what stands in for a codec that it was built without.
+// The formats that this build can read and write, and stubs for codecs that it was built without.
 // WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB, WELKIN_ZSTD, WELKIN_ASTC and WELKIN_JPEG are 1 or 0; no other
-// source knows them.
+// source reads them.
 #include "files/codecs.h"
 
 #include <array>
@@ -20,7 +20,7 @@ struct Description {
   const char* option;
 };
 
-// By Codec's values.
+// Indexed by Codec.
 constexpr std::array kCodecs{
     Description{WELKIN_EXR != 0, "OpenEXR", "WELKIN_EXR"},
     Description{WELKIN_PNG != 0, "libspng (PNG)", "WELKIN_PNG"},
@@ -47,7 +47,7 @@ Codec codec_of(Supercompression supercompression) noexcept {
   return supercompression == Supercompression::zlib ? Codec::zlib : Codec::zstd;
 }
 
-// Supercompression, by the library that packs so.
+// Supercompression, by the library of each scheme.
 
 void refuse_packed_level(const std::filesystem::path& path, const char* library, const std::string& reason) {
   throw platform::file_error(ErrorCode::corrupt_file, path,
@@ -95,7 +95,7 @@ std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t pac
   return packed_bytes > most / ratio ? most : packed_bytes * ratio;
 }
 
-// What follows is reached only where nobody asked `require_codec` first, and must be there for the linker.
+// The stubs below are reached only where `require_codec` was not called before; the linker needs them.
 
 #if !WELKIN_EXR
 std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& /*options*/) {

@@ -9,7 +9,7 @@
 
 namespace welkin::files {
 
-/// For eight bytes at a time: entry [k][b] is the remainder of byte b with k zero bytes behind it.
+/// Tables for eight bytes at a time: entry [k][b] is the remainder of byte b with k zero bytes behind it.
 inline constexpr auto kCrc32Tables = [] {
   constexpr std::uint32_t reflected_polynomial = 0xEDB88320U;
   std::array<std::array<std::uint32_t, 256>, 8> tables{};
@@ -29,7 +29,7 @@ inline constexpr auto kCrc32Tables = [] {
   return tables;
 }();
 
-/// The checksum of what `before` is the checksum of (0: of nothing) followed by these bytes.
+/// Returns the checksum of data with checksum `before` (0: no data) followed by these bytes.
 [[nodiscard]] inline std::uint32_t crc32(std::uint32_t before, const void* bytes, std::size_t count) noexcept {
   const auto* next = static_cast<const std::uint8_t*>(bytes);
   std::uint32_t remainder = ~before;

@@ -8,7 +8,7 @@
 namespace welkin::files {
 namespace {
 
-/// Header fields by their number from the magic number on.
+/// Header fields, indexed from the magic number on.
 using Fields = std::array<std::uint32_t, kDdsFirstTexel / 4>;
 
 constexpr std::size_t kHeaderSize = 1, kHeight = 3, kWidth = 4, kLevels = 7, kPixelFormatSize = 19,
@@ -40,13 +40,13 @@ TextureLayout read_dds_layout(platform::ByteFile& file, int element) {
   Fields fields{};
   file.read(fields.data(), kDdsFirstTexel);
   check_kind(file, fields);
-  const std::uint32_t levels = std::max(fields[kLevels], 1U);  // some writers forget the flag that says it is counted
+  const std::uint32_t levels = std::max(fields[kLevels], 1U);  // some writers forget the flag for a mip count
   const bool cube = (fields[kMiscellaneous] & kDdsTextureCube) != 0;
   TextureLayout layout;
   layout.container = FileFormat::dds;
   layout.kind = *kind_with(&KindTraits::dxgi, fields[kFormat]);
   settle_texture(file, layout, fields[kWidth], fields[kHeight], levels, cube ? 6 : 1, fields[kArraySize], element);
-  std::uint64_t chain = 0;  // of a face
+  std::uint64_t chain = 0;  // bytes per face
   for (std::uint32_t level = 0; level < levels; ++level) chain += layout.face_bytes(static_cast<int>(level));
   const std::uint64_t element_bytes = chain * static_cast<std::uint64_t>(layout.faces());
   std::uint64_t slot = kDdsFirstTexel + element_bytes * static_cast<std::uint64_t>(element);
@@ -73,7 +73,7 @@ std::vector<std::uint32_t> header_of(const TextureJob& job) {
   const auto levels = static_cast<std::uint32_t>(job.levels.size());
   const bool cube = job.faces() == 6;
   const bool blocks = is_compressed(kind);
-  // Of a row; of blocks those of a whole face of level 0.
+  // For texels the bytes of a row; for blocks those of a whole face of level 0.
   const auto row_bytes =
       static_cast<std::uint32_t>(row_byte_range(kind, first.width, 0, blocks ? first.height : 1).bytes);
   const std::uint32_t flags =
@@ -83,7 +83,7 @@ std::vector<std::uint32_t> header_of(const TextureJob& job) {
   std::vector<std::uint32_t> fields{kDdsMagic, kDdsHeaderBytes, flags, height, width, row_bytes, 0, levels};
   fields.insert(fields.end(), 11, 0);  // reserved
   for (const std::uint32_t field :
-       {kDdsPixelFormatBytes, kDdsHasFourCc, kFourCcDx10, 0U, 0U, 0U, 0U, 0U,  // the pixel format is below
+       {kDdsPixelFormatBytes, kDdsHasFourCc, kFourCcDx10, 0U, 0U, 0U, 0U, 0U,  // the pixel format follows
         kDdsTexture | several | (levels > 1 ? kDdsMipMap : 0U), cube ? kDdsCubemap | kDdsAllFaces : 0U, 0U, 0U, 0U,
         traits(kind).dxgi, kDdsTexture2d, cube ? kDdsTextureCube : 0U, one_texture, alpha_unknown}) {
     fields.push_back(field);

@@ -94,14 +94,14 @@ constexpr std::array kFaceNames{"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
 
 std::uint64_t texels_of(int size) { return static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(size); }
 
-/// An upper bound on what a reader holds for images of that size, the libraries' memory included.
+/// Returns an upper bound on a reader's memory for images of that size, the libraries' included.
 std::uint64_t env_reader_bytes(int size, std::uint64_t image_bytes) noexcept {
   // The bytes, the texels, and the texels once more inside libwebp (libspng holds rows), with its tables.
   constexpr std::uint64_t of_libraries = std::uint64_t{1} << 20U;
   return image_bytes + 12 * texels_of(size) + of_libraries;
 }
 
-/// "level 2, face -Y"
+/// Returns "level 2, face -Y".
 std::string name_of_image(std::size_t index) {
   return "level " + std::to_string(index / 6) + ", face " + kFaceNames[index % 6] + ",";
 }
@@ -139,14 +139,14 @@ void turn_rows(float* rgb, int size) {
   }
 }
 
-/// Faces out of an .env file. Each thread has its own.
+/// Reads faces of an .env file. Each thread has its own.
 class EnvReader {
  public:
-  /// `stop` is looked at while an image is decoded.
+  /// `stop` is checked while an image is decoded.
   explicit EnvReader(const FileInput& input, stop_token stop = {}) : file_(open_file(input)), stop_(std::move(stop)) {}
 
-  /// An image of `size` x `size` texels to packed RGB floats, row 0 on top (they are stored bottom row first). `what`
-  /// names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
+  /// Decodes an image of `size` x `size` texels to packed RGB floats, row 0 on top (the bottom row is stored first).
+  /// `what` names it in messages. Throws `Error`: corrupt_file, unsupported_file, file_access, cancelled.
   void read(const EnvImage& image, int size, const std::string& what, float* rgb) {
     bytes_.resize(image.length);
     file_.seek(image.position);
@@ -167,8 +167,8 @@ class EnvReader {
 
 // From Welkin's axes to Babylon.js's left-handed ones and back: x changes its sign.
 
-/// On every face columns run along or against x, or else against or along z where x is what tells +X from -X: so
-/// those two change places, and the columns of all six run the other way.
+/// On the faces +X and -X columns run along or against z, on the others along or against x: so those two are swapped,
+/// and the columns of all six are reversed.
 void mirror_face(const float* from, int size, float* to) {
   const std::ptrdiff_t row_floats = std::ptrdiff_t{3} * size;
   for (std::ptrdiff_t row = 0; row < size; ++row) {
@@ -210,7 +210,7 @@ class EnvRowReader final : public RowReader {
   std::vector<float> face_pixels_;
 };
 
-/// `size`: of the level's faces.
+/// `size`: texels along an edge of the level's faces.
 RowTraits env_traits(const EnvManifest& manifest, int level, int size) {
   RowTraits traits{.natural_rows = size, .sections = 6, .prefiltered_levels = true};
   traits.reader_bytes = rgb_bytes(size, size) + env_reader_bytes(size, longest(manifest.specular));
@@ -221,9 +221,9 @@ RowTraits env_traits(const EnvManifest& manifest, int level, int size) {
   return traits;
 }
 
-// Files to be written: version 2, with PNG images.
+// Writing files: version 2, with PNG images.
 
-/// A face to be encoded, and what became of it.
+/// A face to be encoded, and its outcome.
 struct Image {
   CubemapView view;
   int face = 0;
@@ -286,7 +286,7 @@ void check(const BabylonEnvironment& environment) {
   check_irradiance(environment);
 }
 
-/// The six faces of each, encoded in parallel, in that order.
+/// Returns the six faces of each level, encoded in parallel, in that order.
 std::vector<Image> encoded(const std::vector<CubemapView>& levels, const Control& control) {
   std::vector<Image> images;
   std::int64_t texels = 0;
@@ -295,7 +295,7 @@ std::vector<Image> encoded(const std::vector<CubemapView>& levels, const Control
     texels = std::max(texels, std::int64_t{6} * view.size * view.size);
   }
   const RgbdEncoder encoder;
-  constexpr std::int64_t as_texels = 16;  // packing one takes as long as doing other things with so many
+  constexpr std::int64_t as_texels = 16;  // packing one costs as much as other work on this many
   const jobs::Placement placement = jobs::placement_for(as_texels * texels);
   jobs::run_tiles(images.size(), placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t) { encode(images[tile], encoder, control.stop); });

@@ -15,13 +15,13 @@
 namespace welkin::files {
 namespace {
 
-using Json = nlohmann::json;  // finds a name at once; the ordered one looks through all of them
+using Json = nlohmann::json;  // finds a name directly; the ordered one searches all names
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view kSignature = "\x86\x16\x87\x96\xF6\xD6\x96\x36";
 constexpr int kNewestVersion = 2;
-constexpr int kDeepestNesting = 8;                               // sound ones have 4
-constexpr std::uint64_t kLongestText = std::uint64_t{1} << 18U;  // sound ones have some kilobytes
+constexpr int kDeepestNesting = 8;                               // valid manifests have 4
+constexpr std::uint64_t kLongestText = std::uint64_t{1} << 18U;  // valid manifests have a few kilobytes
 constexpr double kLargestExact = 9007199254740992.0;             // 2^53
 constexpr double kLargestTerm = std::numeric_limits<float>::max();
 
@@ -35,7 +35,7 @@ constexpr std::array kTerms{
     Term{"xx", &BabylonPolynomial::xx}, Term{"yy", &BabylonPolynomial::yy}, Term{"zz", &BabylonPolynomial::zz},
     Term{"yz", &BabylonPolynomial::yz}, Term{"zx", &BabylonPolynomial::zx}, Term{"xy", &BabylonPolynomial::xy}};
 
-/// What is wrong with a manifest; the file's name is put before it where it is known.
+/// A defect in a manifest; the file's name is put before it where it is known.
 struct Flaw {
   ErrorCode code;
   std::string message;
@@ -43,7 +43,7 @@ struct Flaw {
 
 [[noreturn]] void refuse(const std::string& message) { throw Flaw{ErrorCode::corrupt_file, "its manifest " + message}; }
 
-/// Null if it is missing.
+/// Returns null if the key is missing.
 const Json* find(const Json& object, const char* key) {
   if (!object.is_object()) return nullptr;
   const auto found = object.find(key);
@@ -78,7 +78,7 @@ glm::dvec3 triple(const Json& value, const char* what) {
   return found;
 }
 
-/// A cubemap's edge. `power`: must be a power of two.
+/// Reads a cubemap's edge. `power`: must be a power of two.
 int edge(const Json& value, const char* what, bool power) {
   const std::uint64_t size = whole_number(value, what);
   if (size < 1 || size > image::kLargestFace || (power && !std::has_single_bit(size))) {
@@ -157,7 +157,7 @@ EnvManifest read_manifest(const Json& json, const platform::ByteFile& file, std:
   return manifest;
 }
 
-/// Up to the zero byte.
+/// Reads up to the zero byte.
 std::string read_text(platform::ByteFile& file) {
   const auto most = static_cast<std::size_t>(std::min(file.remaining(), kLongestText + 1));
   std::string text(most, ' ');

@@ -21,14 +21,14 @@
 namespace welkin::files {
 namespace {
 
-// Whether the image's rows are those of `Environment::pixels`, in their order.
+// Returns whether the image's rows are those of `Environment::pixels`, in the same order.
 bool lies_as_in_memory(const RowSource& source) {
   const Layout layout = source.info().layout;
   return layout == Layout::lat_long || layout == Layout::six_files ||
          (layout == Layout::vertical_strip && !source.traits().openexr_cube_frames);
 }
 
-/// Where a cube's faces lie in the image.
+/// Returns the positions of a cube's faces in the image.
 const CubePlacement& placement_in(const RowSource& source) {
   return source.traits().openexr_cube_frames ? openexr_cube_placement() : cube_placement(source.info().layout);
 }
@@ -39,7 +39,7 @@ std::uint64_t pixel_bytes(const EnvironmentInfo& info) {
   return rgb_bytes(size, 6 * size);
 }
 
-// Each texel of a face has one place in the image: groups write to different places.
+// Each texel of a face has one position in the image: groups write to different memory.
 void scatter_faces(const RowSource& source, std::uint64_t memory_limit_bytes, const Control& control, float* pixels) {
   const EnvironmentInfo& info = source.info();
   const CubePlacement& placement = placement_in(source);
@@ -85,8 +85,8 @@ Environment read_whole(const RowSource& source, const ReadOptions& options, cons
 
 namespace {
 
-// What one row adds. Each row has a slot of its own and slots are added from top to bottom, so that neither
-// the number of threads nor the way in which the file is cut shows in the sums.
+// The statistics of one row. Each row has a slot, and slots are added from top to bottom, so that the sums depend
+// neither on the number of threads nor on how the file is cut.
 struct RowStatistics : EnvironmentStatistics {
   RowStatistics() {
     minimum = glm::dvec3(std::numeric_limits<double>::infinity());
@@ -133,7 +133,7 @@ void add_texels(RowStatistics& row, const float* rgb, int first_column, std::spa
   }
 }
 
-// Where the image's texels are on the sphere. What lies between the faces of a cross is nowhere.
+// Maps the image's texels to the sphere. Texels between the faces of a cross are not on it.
 class Geometry {
  public:
   explicit Geometry(const RowSource& source)
@@ -147,7 +147,7 @@ class Geometry {
     return size_ > 0 ? 6 * edge * edge : static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
   }
 
-  /// `angles`: room for the image's width.
+  /// `angles`: scratch for the image's width.
   [[nodiscard]] RowStatistics measure_row(const float* rgb, int row, std::vector<double>& angles) const {
     RowStatistics found;
     if (placement_ == nullptr) {
@@ -161,7 +161,7 @@ class Geometry {
     for (const FaceSegment& segment : row_segments(*placement_, size_, row)) {
       if (segment.face_row != row_of_angles) image::cubemap_row_solid_angles(segment.face_row, edge);
       row_of_angles = segment.face_row;
-      add_texels(found, rgb, segment.first_column, edge);  // a row of a face is even: mirrored, it is the same
+      add_texels(found, rgb, segment.first_column, edge);  // the angles of a face's row are symmetric
     }
     return found;
   }

@@ -1,5 +1,5 @@
-// When OpenEXR's own static objects are made. Included by one source of the readers and one of the writers: whichever
-// of them a program links brings this along.
+// The construction of OpenEXR's static objects. Included by one source of the readers and one of the writers: a program
+// that links either gets it.
 #pragma once
 
 #include <Iex.h>
@@ -32,21 +32,21 @@
 
 namespace welkin::files {
 
-/// OpenEXR makes its attribute types and its pool of threads (that has none) when they are first used. They would be
-/// destroyed before a worker that is a global object, whose threads may still read or write files. So they are made
-/// before every static object of the program, and destroyed after it.
+/// OpenEXR makes its attribute types and its pool of threads (which has none) at first use. They would be destroyed
+/// before a worker that is a global object, whose threads may still read or write files. So they are made before every
+/// static object of the program, and destroyed after them.
 WELKIN_RUN_BEFORE_STATIC_OBJECTS static void make_openexr_statics() {
   Imf::staticInitialize();
   (void)IlmThread::ThreadPool::globalThreadPool();
 }
 
-// The parts of an OpenEXR file: all headers, checked before the library makes room for what they claim.
+// The parts of an OpenEXR file: all headers, checked before the library allocates what they claim.
 
 struct ExrPart {
   Imf::Header header;
   bool tiled = false;
-  bool deep = false;   ///< holds samples at depths, or is of a type that is not known: no image
-  std::string name{};  ///< fit to be printed; empty in a single-part file that has none
+  bool deep = false;   ///< holds samples at depths, or is of an unknown type: not an image
+  std::string name{};  ///< printable; empty in a single-part file without a name
 };
 
 struct ExrParts {
@@ -55,22 +55,22 @@ struct ExrParts {
   std::uint64_t header_bytes = 0;  ///< of all headers in the file
 };
 
-/// Reads magic number, version and all headers. `file` stands at its beginning. Windows are not checked yet.
-/// Throws `Error`: unsupported_file for a version that is not known, corrupt_file.
+/// Reads magic number, version and all headers. `file` is at its beginning. Windows are not checked yet. Throws
+/// `Error`: unsupported_file for an unknown version, corrupt_file.
 [[nodiscard]] ExrParts read_exr_parts(platform::ByteFile& file);
 
-/// Checks what the library will allocate for every part when it opens the file: its tables of offsets, eight bytes a
-/// chunk, which the file must be long enough to hold. Returns their bytes. `file` stands behind the headers.
-/// Throws `Error`: corrupt_file.
+/// Checks what the library will allocate for every part when it opens the file: its tables of offsets, eight bytes per
+/// chunk, which the file must be long enough to hold. Returns their bytes. `file` is behind the headers. Throws
+/// `Error`: corrupt_file.
 std::uint64_t check_exr_tables(const ExrParts& parts, const platform::ByteFile& file);
 
-/// The part by name or number that is asked for; if `asked_for` is empty, the first that holds colour (in `layer` if
-/// that is not empty), else the first that holds luminance. Deep parts are skipped.
-/// Throws `Error`: unsupported_file naming the parts.
+/// Returns the part requested by name or number; if `asked_for` is empty, the first that holds colour (in `layer` if
+/// that is not empty), else the first that holds luminance. Deep parts are skipped. Throws `Error`: unsupported_file
+/// naming the parts.
 [[nodiscard]] std::size_t choose_exr_part(const ExrParts& parts, const std::filesystem::path& path,
                                           const std::string& asked_for, const std::string& layer);
 
-// Which of an OpenEXR part's channels make the image.
+// The channels of an OpenEXR part that make up the image.
 
 struct ExrChannels {
   enum class Kind {
@@ -82,17 +82,17 @@ struct ExrChannels {
   std::array<std::string, 3> names{};
 };
 
-/// A layer is what stands before a channel's last dot: "env" of "env.R", "a.b" of "a.b.R". Views other than the
-/// default one of a multi-view file are named the same way ("left.R"), and are layers here.
+/// A layer is the part of a channel's name before its last dot: "env" of "env.R", "a.b" of "a.b.R". Views other than
+/// the default one of a multi-view file are named the same way ("left.R"), and are layers here.
 ///
 /// A layer is an image if it has R, G and B (also written r g b, red green blue, Red Green Blue, as compositors do)
 /// or else Y, perhaps with RY and BY. X, Y and Z together are a vector, as renderers write for normals and positions,
-/// and no image. Alpha, depth and the like are read past; colour is taken as it is, premultiplied or not.
+/// and no image. Alpha, depth and the like are ignored; colour is used unchanged, premultiplied or not.
 
-/// Whether there is an image in `layer` (in any, if that is empty): one in colour, or any other.
+/// Returns whether `layer` (any, if that is empty) holds an image: one in colour, or any other.
 [[nodiscard]] bool holds_image(const Imf::ChannelList& channels, const std::string& layer, bool in_colour);
 
-// What an OpenEXR header promises, checked before any pixel memory is made for it.
+// The geometry in an OpenEXR header, checked before any pixel memory is allocated for it.
 
 /// The largest block of scanlines or tile, uncompressed and with all channels, that is decoded. 65536 texels
 /// of four float channels at DWAB's 256 scanlines take half of it.
@@ -109,7 +109,7 @@ struct ExrImage {
   ExrChannels channels;
   std::optional<glm::dmat3> to_rec709;
   bool prefiltered = false;  ///< an attribute speaks of roughness
-  bool cube_frames = false;  ///< a strip whose faces are turned as OpenEXR's envmap attribute means them
+  bool cube_frames = false;  ///< a strip whose faces have the orientation of OpenEXR's envmap attribute
   int first_column = 0;      ///< the data window's left and top, in the file's coordinates
   int first_row = 0;
   int data_width = 0;  ///< at the level
@@ -125,18 +125,18 @@ struct ExrImage {
   }
 };
 
-/// Reads and checks all of a file's headers and chooses part, layer, level and window. `file` stands at its beginning.
-/// Throws as `inspect_environment`.
+/// Reads and checks all of a file's headers and chooses part, layer, level and window. `file` is at its beginning.
+/// Throws the errors of `inspect_environment`.
 [[nodiscard]] ExrImage inspect_exr(platform::ByteFile& file, const ReadOptions& options);
 
-// Compressions, and sizes of an OpenEXR image's levels.
+// Compressions, and the sizes of an OpenEXR image's levels.
 
 struct CompressionKind {
   const char* name;  ///< "none", "zip", ..
   int scanlines;     ///< that are compressed together
 };
 
-/// nullptr if it is not known.
+/// Returns nullptr if the compression is unknown.
 [[nodiscard]] const CompressionKind* compression_kind(Imf::Compression compression) noexcept;
 
 /// The levels of an image of width x height, full size first: of a mip map all, of a rip map those that shrink both
@@ -144,25 +144,24 @@ struct CompressionKind {
 /// (ImfTileDescription.h; the chain ends where the longer edge of a mip map, the shorter one of a rip map is 1).
 [[nodiscard]] std::vector<LevelInfo> level_sizes(const Imf::TileDescription& tiles, int width, int height);
 
-// The colours that an OpenEXR header says its numbers mean.
+// The meaning of an OpenEXR file's numbers as colours.
 
-/// The matrix to Rec. 709, or none if nothing is to be done: no chromaticities attribute (which means Rec. 709), the
-/// numbers wanted as they are, luminance alone, which is grey in any primaries, or a matrix that would change nothing
-/// but roundings. What was done is said in
-/// `info.notes`.
+/// Returns the matrix to Rec. 709, or none if there is nothing to convert: no chromaticities attribute (which means
+/// Rec. 709), the numbers requested as stored, luminance alone, which is grey in any primaries, or a matrix that would
+/// change nothing but roundings. `info.notes` states what was done.
 ///
-/// White becomes white: the adoptedNeutral attribute's, if there is one, as in OpenEXR's own ImfAcesFile, else the
-/// chromaticities'. whiteLuminance (candelas a square metre of (1, 1, 1)) changes no number.
-/// Throws `Error` (corrupt_file) naming the attribute if it makes no colours.
+/// White becomes white: the adoptedNeutral attribute's, if there is one, as in OpenEXR's ImfAcesFile, else the
+/// chromaticities'. whiteLuminance (candelas per square metre of (1, 1, 1)) changes no number. Throws `Error`
+/// (corrupt_file) naming the attribute if it makes no colours.
 [[nodiscard]] std::optional<glm::dmat3> exr_colour_matrix(EnvironmentInfo& info, const Imf::Header& header,
                                                           ExrChannels::Kind kind, Primaries wanted);
 
-// The seam to the OpenEXR library: its stream over our file, and its exceptions as ours. Included by the
-// exr_ sources alone, which alone know the library.
+// The interface to the OpenEXR library: its stream over our file, and its exceptions as ours. Included only by the exr_
+// sources, the only ones that use the library.
 
 class ExrStream final : public Imf::IStream {
  public:
-  /// `file` outlives the stream.
+  /// `file` must outlive the stream.
   explicit ExrStream(platform::ByteFile& file) : Imf::IStream(platform::utf8(file.path()).c_str()), file_(file) {}
 
   bool read(char bytes[], int count) override {
@@ -173,8 +172,8 @@ class ExrStream final : public Imf::IStream {
     block_.emplace(bytes, static_cast<std::size_t>(count));
     return file_.remaining() > 0;
   }
-  /// What the library read last, in its own memory, if it has read since this was asked: after a block was decoded,
-  /// that block as it is in the file.
+  /// Returns the library's last read, in the library's memory, if it has read since the last call: after a block was
+  /// decoded, that block as stored in the file.
   [[nodiscard]] std::optional<std::span<const char>> take_block() noexcept {
     return std::exchange(block_, std::nullopt);
   }
@@ -186,7 +185,7 @@ class ExrStream final : public Imf::IStream {
   std::optional<std::span<const char>> block_;
 };
 
-/// Runs `work`, which calls OpenEXR, and turns whatever that throws into `Error`s that name the file.
+/// Runs `work`, which calls OpenEXR, and converts whatever that throws to `Error`s that name the file.
 template <typename Work>
 auto call_openexr(const std::filesystem::path& path, const Work& work) -> decltype(work()) {
   try {

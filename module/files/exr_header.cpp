@@ -16,7 +16,7 @@
 namespace welkin::files {
 namespace {
 
-// By Imf::Compression's values.
+// Indexed by Imf::Compression.
 constexpr std::array kCompressions{
     CompressionKind{"none", 1},  CompressionKind{"rle", 1},    CompressionKind{"zips", 1}, CompressionKind{"zip", 16},
     CompressionKind{"piz", 32},  CompressionKind{"pxr24", 16}, CompressionKind{"b44", 32}, CompressionKind{"b44a", 32},
@@ -85,8 +85,8 @@ double tile_count(const Imf::TileDescription& tiles, int width, int height) {
   return across_all(width, tiles.xSize) * across_all(height, tiles.ySize);
 }
 
-/// Entries in the table of offsets of a part whose header is sane, as many as the library will make. A number that is
-/// too large to count is large enough: the result is a double so that nothing can wrap around.
+/// Returns the entries in the table of offsets of a part with a valid header, as many as the library will make. The
+/// result is a double so that no count can wrap around.
 double chunk_count(const Imf::Header& header, bool tiled) {
   const Imath::Box2i& window = header.dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
@@ -98,7 +98,7 @@ double chunk_count(const Imf::Header& header, bool tiled) {
   return std::ceil(static_cast<double>(height) / (kind != nullptr ? kind->scanlines : 1));
 }
 
-// OpenEXR allows 255 bytes for a name; the longest sound header seen was a few megabytes of preview.
+// OpenEXR allows 255 bytes for a name; the longest valid header seen was a few megabytes of preview.
 constexpr std::size_t kLongestName = 255;
 constexpr std::uint64_t kLargestHeader = std::uint64_t{256} << 20U;
 
@@ -124,7 +124,7 @@ constexpr std::array kFixedSizes{
                              "its OpenEXR header is damaged: " + what + "; fetch or export it again");
 }
 
-// Little-endian, as everything in OpenEXR.
+// Little-endian, as all of OpenEXR.
 std::uint32_t read_uint32(platform::ByteFile& file) {
   std::array<std::uint8_t, 4> bytes{};
   file.read(bytes.data(), bytes.size());
@@ -149,7 +149,7 @@ std::string read_name(platform::ByteFile& file, std::uint64_t end) {
   }
 }
 
-// Names with 16 bytes of description each, ended by an empty name.
+// Skips names with 16 bytes of description each, ended by an empty name.
 void walk_channels(platform::ByteFile& file, std::uint64_t end) {
   constexpr std::uint64_t kDescription = 16;
   while (!read_name(file, end).empty()) {
@@ -157,7 +157,7 @@ void walk_channels(platform::ByteFile& file, std::uint64_t end) {
   }
 }
 
-// Strings with their length before each.
+// Skips strings with their length before each.
 void walk_strings(platform::ByteFile& file, std::uint64_t end) {
   while (file.position() < end) {
     const std::uint32_t length = read_uint32(file);
@@ -165,7 +165,7 @@ void walk_strings(platform::ByteFile& file, std::uint64_t end) {
   }
 }
 
-// Width and height, then four bytes a pixel.
+// Skips width and height, then four bytes per pixel.
 void walk_preview(platform::ByteFile& file) {
   const std::uint64_t width = read_uint32(file);
   const std::uint64_t height = read_uint32(file);
@@ -175,7 +175,7 @@ void walk_preview(platform::ByteFile& file) {
   file.seek(file.position() + 4 * width * height);
 }
 
-// Moves behind the value as OpenEXR will, given the type.
+// Moves behind the value as OpenEXR will for the type.
 void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t size) {
   const std::uint64_t end = file.position() + size;
   const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
@@ -198,10 +198,10 @@ void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t
 /// Walks the header's attributes from the current position (behind magic number and version) to their end,
 /// and checks that what OpenEXR 3 will allocate for each is no more than the bytes that the file has for it.
 ///
-/// The library allocates by the sizes it is told and for most types reads what the type takes, whatever
-/// size was stated. So it can be led to read a value's bytes as the next attribute's header, and to allocate
-/// gigabytes for a file of a few hundred bytes. Where every stated size is the one that is consumed, the
-/// library's walk is this one. Throws `Error` (corrupt_file) naming the attribute.
+/// The library allocates by stated sizes and for most types reads what the type takes, whatever size was stated. So it
+/// can be led to read a value's bytes as the next attribute's header, and to allocate gigabytes for a file of a few
+/// hundred bytes. Where every stated size is the one that is consumed, the library takes the same walk. Throws `Error`
+/// (corrupt_file) naming the attribute.
 void check_attributes(platform::ByteFile& file) {
   const std::uint64_t limit = std::min(file.size(), file.position() + kLargestHeader);
   for (std::string name = read_name(file, limit); !name.empty(); name = read_name(file, limit)) {
@@ -403,7 +403,7 @@ std::optional<glm::dvec2> read_neutral(const Imf::Header& header) {
                                  describe(found) + "; " + remedy);
 }
 
-// Photoshop writes Rec. 709 as an ICC profile has it: adapted to D50. The way back is no more than its roundings.
+// Photoshop writes Rec. 709 as an ICC profile has it: adapted to D50. Converted back, only its roundings remain.
 bool is_nearly_nothing(const glm::dmat3& matrix) {
   constexpr double kRounding = 2e-3;
   double worst = 0.0;

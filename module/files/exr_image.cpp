@@ -19,7 +19,7 @@ namespace {
   throw platform::file_error(ErrorCode::unsupported_file, info.path, found_and_remedy);
 }
 
-// Which rectangle of an OpenEXR file is the image.
+// The rectangle of an OpenEXR file that is the image.
 
 /// The image's rectangle and that of the stored texels, in one frame of coordinates: x right, y down, both
 /// inclusive. Texels of the image that are not stored are black.
@@ -98,14 +98,14 @@ void note_windows(EnvironmentInfo& info, const Extent& data, const Extent& displ
   }
 }
 
-/// The image is the data window, wherever it lies, unless the file says that it is a frame around or inside of it:
-/// the display window is the image if
+/// Chooses the image's window. It is the data window, wherever it lies, unless the file frames it: the display window
+/// is the image if
 /// - the header has no envmap attribute, which makes the data window the map (ImfEnvmap.h), and no mip chain, which
 ///   belongs to the data window,
 /// - the windows differ in size and overlap,
-/// - it has the shape of a layout (2:1, 1:6, 6:1, 4:3, 3:4): of the one that is asked for, if one is, and
-/// - the data window has not the shape of another layout, if none is asked for.
-/// So overscan is cut off and a cropped render is put back in its place; either is said in `info.notes`.
+/// - it has the shape of a layout (2:1, 1:6, 6:1, 4:3, 3:4): of the requested one, if any, and
+/// - the data window does not have the shape of another layout, if none was requested.
+/// So overscan is cut off and a cropped render is put back in its frame; `info.notes` states either.
 ///
 /// Both windows are then at most kMaximumWidth x kMaximumHeight, and of an image above 16384 x 8192 texels at least
 /// a 64th is stored, so that a few bytes cannot make hours of work.
@@ -136,7 +136,7 @@ Windows choose_windows(EnvironmentInfo& info, const Imf::Header& header, bool ha
   return {display, data};
 }
 
-// Of a header that is not checked yet: the tile description may not be there at all.
+// For a header that is not checked yet: the tile description may be missing.
 const Imf::TileDescription* tile_description(const ExrPart& part) {
   return part.tiled && part.header.hasTileDescription() ? &part.header.tileDescription() : nullptr;
 }
@@ -178,8 +178,8 @@ void decide_exr_layout(ExrImage& image, const Imf::Header& header, Layout asked_
   image.cube_frames = image.info.layout == Layout::vertical_strip && stated == Layout::vertical_strip;
 }
 
-// A smaller level has the layout of the full size, and must still have its shape: a strip of faces of less than a
-// texel is none.
+// A smaller level has the layout of the full size, and must still have its shape: a strip needs faces of at least a
+// texel.
 void choose_level(ExrImage& image, const ExrPart& part, int level) {
   EnvironmentInfo& info = image.info;
   info.levels = part.tiled ? level_sizes(part.header.tileDescription(), info.width, info.height)
@@ -196,7 +196,7 @@ void choose_level(ExrImage& image, const ExrPart& part, int level) {
   }
 }
 
-// All channels, also those that are not wanted: they are in the same blocks.
+// Counts all channels, also unused ones: they are in the same blocks.
 std::uint64_t bytes_per_texel(const Imf::ChannelList& channels) {
   std::uint64_t bytes = 0;
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
@@ -260,7 +260,7 @@ bool has_roughness(const Imf::Header& header) {
 
 using Kind = ExrChannels::Kind;
 
-// How programs spell the three colours. "red" is Nuke's in layers.
+// Spellings of the three colours in programs. "red" is Nuke's in layers.
 constexpr std::array<std::array<const char*, 3>, 4> kSpellings{{
     {"R", "G", "B"},
     {"r", "g", "b"},
@@ -375,9 +375,9 @@ void require_usable(const EnvironmentInfo& info, const ExrChannels& chosen, cons
   }
 }
 
-/// Fills in `info.channels` and `info.layers` and chooses: the layer that is asked for; else the channels without
-/// one; else the only layer in colour; else the only layer. Needs `info.path`.
-/// uint is read as the numbers that it states, as half and float are.
+/// Fills in `info.channels` and `info.layers` and chooses: the requested layer; else the channels without one; else the
+/// only layer in colour; else the only layer. Needs `info.path`. Values of uint are used unscaled, as half and float
+/// are.
 /// Throws `Error` (unsupported_file) naming what there is and, if layers are to choose from, --layer.
 ExrChannels choose_exr_channels(EnvironmentInfo& info, const Imf::ChannelList& channels, const std::string& layer) {
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {

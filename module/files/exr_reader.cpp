@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kLibraryThreads = 0;
 
-// A row of tiles must fit where one of the first image's did, and its levels must be there.
+// Returns whether a row of tiles fits where one of the first image's did, and its levels exist.
 bool are_same_tiles(const ExrImage& image, const Imf::Header& header) {
   const Imf::TileDescription& tiles = header.tileDescription();
   const LevelInfo& full = image.info.levels.front();
@@ -53,14 +53,14 @@ bool is_same_image(const ExrImage& image, const Imf::MultiPartInputFile& file) {
          (header.type() == Imf::TILEDIMAGE) == image.tiled && (!image.tiled || are_same_tiles(image, header));
 }
 
-// A handle on one part of an OpenEXR file: one for every reader, which opens the file again. If it is another one by
-// now, its rows may not fit where they would go.
+// A handle on one part of an OpenEXR file, one per reader, which opens the file again. If the file was replaced
+// meanwhile, its rows may not fit their memory.
 //
-// The calling threads decode, each with a reader of its own: the library's own thread pool is left as the program has
-// it, and no reader uses it.
+// The calling threads decode, each with its reader: the program's settings of the library's thread pool are unchanged,
+// and no reader uses it.
 //
-// Where the table of offsets is not written in whole (all zero by OpenImageIO if `textureformat` is set, or of a file
-// whose writer was stopped), the library finds the blocks itself on opening.
+// Where the table of offsets is incomplete (all zero by OpenImageIO if `textureformat` is set, or in a file whose
+// writer was stopped), the library finds the blocks itself on opening.
 struct ExrFile {
   // Throws `Error`: file_access if the file is not the one that `image` was made from.
   explicit ExrFile(const ExrImage& image)
@@ -76,7 +76,7 @@ struct ExrFile {
   Imf::MultiPartInputFile file;
 };
 
-/// How many of the positions first to last are multiples of `step`.
+/// Returns how many of the positions first to last are multiples of `step`.
 std::size_t samples(int first, int last, int step) {
   const auto below = [step](int position) {  // multiples up to this one, from an arbitrary one on
     return position >= 0 ? position / step : -((-position + step - 1) / step);
@@ -84,7 +84,7 @@ std::size_t samples(int first, int last, int step) {
   return static_cast<std::size_t>(below(last) - below(first - 1));
 }
 
-/// The bytes of one row, all channels.
+/// Returns the bytes of one row, all channels.
 std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_column, int last_column) {
   std::uint64_t bytes = 0;
   for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
@@ -110,16 +110,16 @@ std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
   return bytes;
 }
 
-/// Blocks that the library has just decoded: do they hold all of their texels? The library (3.1) looks at the length of
-/// what most of its codecs give, but not of ZIP's, RLE's and uncompressed blocks: the rest of their texels would be
-/// whatever its memory held.
+/// Checks that blocks that the library has just decoded hold all of their texels. The library (3.1) checks the length
+/// that most of its codecs return, but not of ZIP's, RLE's and uncompressed blocks: the rest of their texels would be
+/// stale memory.
 class ExrBlocks {
  public:
   /// Both outlive this.
   ExrBlocks(const ExrImage& image, const Imf::Header& header) : image_(image), header_(header) {}
 
-  /// Throws `Error` (corrupt_file) if the block of rows, which the library has read since this was asked last, unpacks
-  /// to less than its texels take. `row`: any of it, in the file's coordinates. Costs undoing ZIP once more.
+  /// Throws `Error` (corrupt_file) if the block of rows that the library has read since the last call unpacks to less
+  /// than its texels take. `row`: any of its rows, in the file's coordinates. Costs undoing ZIP once more.
   void check_rows(ExrStream& stream, int row) const {
     const std::optional<std::span<const char>> block = stream.take_block();
     if (!block) return;
@@ -132,7 +132,7 @@ class ExrBlocks {
     check(*block, expected, "the block of row " + std::to_string(first));
   }
 
-  /// The same for a tile of the image's level.
+  /// Checks a tile of the image's level as `check_rows` checks rows.
   void check_tile(ExrStream& stream, int column, int row) const {
     const std::optional<std::span<const char>> block = stream.take_block();
     if (!block) return;
@@ -220,14 +220,14 @@ class TiledReader final : public RowReader {
       const int tile_end = std::min(tile_first + tile_rows, image_.data_height);
       const int from = std::max(first_row, tile_first);
       const int to = std::min(end, tile_end);
-      float* place = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
+      float* target = rgb + static_cast<std::size_t>(from - first_row) * row_floats;
       if (from == tile_first && to == tile_end) {
-        read_tiles(tile, tile_first, place);
+        read_tiles(tile, tile_first, target);
       } else {
         edge_.resize(row_floats * static_cast<std::size_t>(tile_rows));
         read_tiles(tile, tile_first, edge_.data());
         const float* wanted = edge_.data() + static_cast<std::size_t>(from - tile_first) * row_floats;
-        std::copy_n(wanted, static_cast<std::size_t>(to - from) * row_floats, place);
+        std::copy_n(wanted, static_cast<std::size_t>(to - from) * row_floats, target);
       }
     }
   }
@@ -248,10 +248,10 @@ class TiledReader final : public RowReader {
   ExrFile file_;
   Imf::TiledInputPart input_;
   ExrBlocks blocks_;
-  std::vector<float> edge_;  // a row of tiles of which not all rows are wanted
+  std::vector<float> edge_;  // a row of tiles of which only some rows are requested
 };
 
-// What is done to rows as they are stored: Y alone is spread to three channels, primaries are converted.
+// Converts stored rows: Y alone is spread to three channels, and primaries are converted.
 class ColourReader final : public RowReader {
  public:
   ColourReader(std::unique_ptr<RowReader> reader, const ExrImage& image) : reader_(std::move(reader)), image_(image) {}
@@ -274,7 +274,7 @@ class ColourReader final : public RowReader {
   const ExrImage& image_;
 };
 
-// Rows of an image that is another rectangle than what is stored, from rows of the latter.
+// Reads an image whose rectangle differs from the stored one, from stored rows.
 class FramedReader final : public RowReader {
  public:
   FramedReader(std::unique_ptr<RowReader> reader, const ExrImage& image) : reader_(std::move(reader)), image_(image) {}
@@ -324,9 +324,9 @@ constexpr int kNaturalRows = 128;
 
 const Imf::Rgba kBlack(0.0F, 0.0F, 0.0F, 0.0F);
 
-// Reads the stored rows (data_width x data_height) as RGB in the file's primaries, to the very halves that OpenEXR's
-// RgbaInputFile gives: the same functions (ImfRgbaYca.h) in the same order. Rows decode in blocks, and a block needs 14
-// more rows above and below, which the next block takes over.
+// Reads the stored rows (data_width x data_height) as RGB in the file's primaries, bit-identical to the half floats of
+// OpenEXR's RgbaInputFile: the same functions (ImfRgbaYca.h) in the same order. Rows decode in blocks, and a block
+// needs 14 more rows above and below, which the next block reuses.
 //
 // Positions are rows of the file's coordinates, of which even ones have chroma. They may lie outside of the data window
 // by the margin; the nearest row with chroma stands in there.
@@ -455,12 +455,12 @@ class LuminanceChromaReader final : public RowReader {
   int held_end_ = 0;
 };
 
-// The bytes that such a reader holds in addition to the library's own blocks.
+// Returns the bytes that such a reader holds in addition to the library's blocks.
 std::uint64_t luminance_chroma_bytes(int width) noexcept {
   return sizeof(Imf::Rgba) * (static_cast<std::uint64_t>(width) * (kHeldRows + 5) + yca::N);
 }
 
-// Rows worth decoding together: enough that the 28 rows around them weigh little. At least `unit_rows`.
+// Returns the rows worth decoding together: the 28 rows around them cost little. At least `unit_rows`.
 int luminance_chroma_rows(int unit_rows) noexcept { return (kNaturalRows + unit_rows - 1) / unit_rows * unit_rows; }
 
 RowTraits exr_traits(const ExrImage& image) {
@@ -470,8 +470,8 @@ RowTraits exr_traits(const ExrImage& image) {
   RowTraits traits{.natural_rows = std::min(together, image.info.height),
                    .openexr_cube_frames = image.cube_frames,
                    .prefiltered_levels = image.prefiltered};
-  // The library holds a unit as it is in the file, as it is uncompressed, and one to three more while it
-  // undoes the compression; we perhaps a row of tiles and the rows of a frame; the rest is small beside them.
+  // The library holds a unit as stored in the file, as uncompressed, and one to three more while it undoes the
+  // compression; we perhaps a row of tiles and the rows of a frame; the rest is small in comparison.
   traits.reader_bytes = 5 * image.unit_bytes + (image.tiled ? rows : 0) + (image.is_framed() ? rows : 0) +
                         (chroma ? luminance_chroma_bytes(image.data_width) : 0) + image.table_bytes +
                         (std::uint64_t{1} << 20U);

@@ -25,11 +25,11 @@
 namespace welkin::files {
 namespace {
 
-constexpr int kBlockRows = 16;      // that ZIP compresses together
-constexpr int kLibraryThreads = 0;  // its pool is the program's
+constexpr int kBlockRows = 16;      // compressed together by ZIP
+constexpr int kLibraryThreads = 0;  // the pool is the program's
 constexpr std::array kNames{"R", "G", "B"};
 
-/// Rows from `first_row` on, packed, in the file's type.
+/// Returns rows from `first_row` on, packed, in the file's type.
 template <typename Value>
 Imf::FrameBuffer frame_buffer(std::vector<Value>& values, int width, int first_row) {
   constexpr Imf::PixelType type = sizeof(Value) == 4 ? Imf::FLOAT : Imf::HALF;
@@ -42,8 +42,8 @@ Imf::FrameBuffer frame_buffer(std::vector<Value>& values, int width, int first_r
   return buffer;
 }
 
-/// To the file's type, counting what is clamped. What is finite stays finite: above the largest half, rounding would
-/// make it infinite. NaN and infinities stay.
+/// Converts to the file's type and counts clamped values. Finite values stay finite: above the largest half, rounding
+/// would make them infinite. NaN and infinities are unchanged.
 void convert(const float* from, std::size_t count, float* to, std::uint64_t& /*clamped*/) noexcept {
   std::copy_n(from, count, to);
 }
@@ -59,8 +59,8 @@ void convert(const float* from, std::size_t count, Imath::half* to, std::uint64_
   }
 }
 
-/// Makes OpenEXR's failures `Error`s that name the file. OpenEXR's file objects write their table of offsets when they
-/// are destroyed and swallow what goes wrong there. A stream that failed once fails again in `WholeFile::finish`.
+/// Converts OpenEXR's failures to `Error`s that name the file. OpenEXR's file objects write their table of offsets on
+/// destruction and swallow errors there. A stream that failed once fails again in `WholeFile::finish`.
 template <typename Write>
 std::uint64_t write_with_library(const platform::WholeFile& file, const Write& write) {
   try {
@@ -78,7 +78,7 @@ std::uint64_t write_with_library(const platform::WholeFile& file, const Write& w
 
 class OutputStream final : public Imf::OStream {
  public:
-  /// `file` outlives the stream.
+  /// `file` must outlive the stream.
   explicit OutputStream(platform::WholeFile& file) : Imf::OStream(platform::utf8(file.path()).c_str()), file_(file) {}
 
   void write(const char bytes[], int count) override { file_.write(bytes, static_cast<std::size_t>(count)); }
@@ -131,7 +131,7 @@ std::uint64_t write_exr(const OutputImage& image, const WriteJob& job) {
 
 namespace {
 
-// OpenEXR: a cube `envmap` in mip-mapped tiles, as OpenEXR's own exrenvmap writes them.
+// OpenEXR: a cube `envmap` in mip-mapped tiles, as OpenEXR's exrenvmap writes them.
 //
 // The image is `size` x 6 `size`; OpenEXR halves both, rounding down, until both are 1. So a level can be taller than
 // its six faces (odd sizes: they lie on top, as CubeMap::sizeOfFace has it), and the last ones hold no faces at all.
@@ -168,7 +168,7 @@ Imf::Header make_header(const TextureJob& job) {
   return header;
 }
 
-/// One face of `reduced`, to size x size x 3 values. Where a texel's edge cuts one of the source, it counts for both.
+/// Reduces to one face, size x size x 3 values. A source texel cut by a texel's edge counts for both.
 void reduce_face(const OutputImage& source, int size, float* to) {
   const int source_size = source.width();
   const auto first = [&](int texel) { return texel * source_size / size; };
@@ -195,14 +195,14 @@ void reduce_face(const OutputImage& source, int size, float* to) {
   }
 }
 
-/// Smaller faces for a level that was not given.
+/// Returns smaller faces for a level that was not given.
 Cubemap reduced(const CubemapView& source, int size) {
   Cubemap smaller(size, 1, new_delete_resource());
   for (int face = 0; face < 6; ++face) reduce_face(OutputImage(source, face), size, smaller.face(face));
   return smaller;
 }
 
-/// All six faces in the mean of all texels, one texel each.
+/// Returns six faces of one texel each, in the mean of all texels.
 Cubemap one_colour(const CubemapView& source) {
   const Cubemap faces = reduced(source, 1);
   Cubemap result(1, 1, new_delete_resource());

@@ -1,4 +1,4 @@
-// The six files of a cubemap, told apart by the ends of their names.
+// The six files of a cubemap, identified by the ends of their names.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -23,8 +23,8 @@ using Path = std::filesystem::path;
 using SixNames = std::array<const char*, 6>;
 using SixPaths = std::array<Path, 6>;
 
-// In face order. Sets of the first row's kind are named so by Babylon.js and three.js, the next by many converters and
-// three.js's examples, "rt lf up dn ft bk" by Quake's sky boxes.
+// In face order. Names of the first row's kind are those of Babylon.js and three.js, the next those of many converters
+// and three.js's examples, "rt lf up dn ft bk" those of Quake's sky boxes.
 constexpr std::array kFamilies{
     SixNames{"px", "nx", "py", "ny", "pz", "nz"},
     SixNames{"posx", "negx", "posy", "negy", "posz", "negz"},
@@ -40,8 +40,8 @@ constexpr const char* kEnds =
     "px nx py ny pz nz; posx negx posy negy posz negz; right left top bottom front back; right left up down front "
     "back; rt lf up dn ft bk; 0 to 5";
 
-// What stands before a face's name in a stem, if that ends with it: nothing, or something up to a separator. So
-// "sky_3" is a face and "map10" is none.
+// Returns the part of a stem before a face's name, if the stem ends with that: empty, or ending in a separator. So
+// "sky_3" is a face and "map10" is not.
 std::optional<std::string> prefix_before(const std::string& stem, std::string_view face_name) {
   if (stem.size() < face_name.size() || !lower_case(stem).ends_with(face_name)) return std::nullopt;
   std::string prefix = stem.substr(0, stem.size() - face_name.size());
@@ -56,7 +56,7 @@ struct SetName {
   bool operator<(const SetName& other) const { return std::tie(prefix, family) < std::tie(other.prefix, other.family); }
 };
 
-// The sets that a name may belong to.
+// Returns the sets that a name may belong to.
 std::vector<SetName> sets_of(const Path& path) {
   std::vector<SetName> sets;
   for (std::size_t family = 0; family < kFamilies.size(); ++family) {
@@ -69,21 +69,21 @@ std::vector<SetName> sets_of(const Path& path) {
   return sets;
 }
 
-// Images of a directory, for each set and face those whose names fit, in the order of their names.
+// The images of a directory: for each set and face the matching names, in alphabetical order.
 class Candidates {
  public:
-  /// Looks at names with an extension of a format that is read, or with `extension`.
+  /// Lists names with an extension of a supported format, or with `extension`.
   Candidates(const Path& directory, const std::string& extension) {
     std::error_code failure;
-    const Path place = directory.empty() ? Path(".") : directory;
-    for (std::filesystem::directory_iterator entry(place, failure), end; !failure && entry != end;
+    const Path folder = directory.empty() ? Path(".") : directory;
+    for (std::filesystem::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure)) {
       const Path file = directory / entry->path().filename();
       std::error_code ignored;
       if (is_image(file, extension) && !entry->is_directory(ignored)) add(file);
     }
     if (failure) {
-      throw platform::file_error(ErrorCode::file_access, place,
+      throw platform::file_error(ErrorCode::file_access, folder,
                                  "cannot be searched for faces (" + failure.message() + "); check its permissions");
     }
     for (auto& [set, faces] : sets_) {
@@ -93,13 +93,13 @@ class Candidates {
 
   [[nodiscard]] const std::map<SetName, std::array<std::vector<Path>, 6>>& sets() const { return sets_; }
 
-  /// A series that goes on after 5 is no cube.
+  /// Returns whether a series goes on after 5, which makes it no cube.
   [[nodiscard]] bool is_longer_series(const SetName& set) const {
     return set.family == kNumbers && longer_series_.contains(set.prefix);
   }
 
-  /// The set's files, those with `extension` first; where there are none, the only one. Empty paths for faces
-  /// that are missing; throws where two would do equally.
+  /// Returns the set's files, those with `extension` first; where there are none, the only one. Empty paths for missing
+  /// faces; throws where two files match equally well.
   [[nodiscard]] SixPaths pick(const SetName& set, const std::string& extension) const {
     SixPaths picked;
     const auto found = sets_.find(set);
@@ -223,7 +223,7 @@ std::string shape(const EnvironmentInfo& info) {
   return std::to_string(info.width) + " x " + std::to_string(info.height);
 }
 
-// Opened as what no shape contradicts: a face alone has no layout.
+// Opens a face with the layout that no shape contradicts: a single face has no layout.
 std::unique_ptr<RowSource> open_face(const FileInput& input, const ReadOptions& options) {
   ReadOptions of_face = options;
   of_face.layout = Layout::lat_long;
@@ -259,7 +259,7 @@ void add_once(std::vector<Value>& values, const Value& value) {
   if (std::find(values.begin(), values.end(), value) == values.end()) values.push_back(value);
 }
 
-// "zip", or "zip, deflate" where the files differ.
+// Returns "zip", or "zip, deflate" where the files differ.
 std::string joined(const Faces& faces, std::string EnvironmentInfo::*text) {
   std::vector<std::string> different;
   for (const auto& face : faces) add_once(different, face->info().*text);
@@ -268,7 +268,7 @@ std::string joined(const Faces& faces, std::string EnvironmentInfo::*text) {
   return all;
 }
 
-// Levels that all six have, of the size that they have there.
+// Returns the levels that all six have, at their sizes.
 std::vector<LevelInfo> common_levels(const Faces& faces) {
   std::vector<LevelInfo> levels = faces.front()->info().levels;
   for (const auto& face : faces) {
@@ -302,7 +302,7 @@ EnvironmentInfo describe(const std::filesystem::path& path, const Faces& faces, 
   return info;
 }
 
-// Holds one face open at a time: whoever reads a section stays in its face.
+// Reads six files and holds one face open at a time: the reader of a section stays in its face.
 class SixFilesReader final : public RowReader {
  public:
   explicit SixFilesReader(const Faces& faces) : faces_(faces), size_(faces.front()->info().width) {}

@@ -1,4 +1,4 @@
-// Requests for files, and the sources that a file's pixels become.
+// Requests for files, and the sources made of a file's pixels.
 #include <memory>
 #include <utility>
 

@@ -23,7 +23,7 @@ std::string_view without_leading_space(std::string_view text) {
   return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
 }
 
-// The lines of the header's text, from the file's first byte on.
+// Reads the lines of the header's text, from the file's first byte on.
 class HeaderLines {
  public:
   explicit HeaderLines(platform::ByteFile& file) : file_(file) {
@@ -31,7 +31,7 @@ class HeaderLines {
     file.read(text_.data(), text_.size());
   }
 
-  // Without its end, "\n" or "\r\n".
+  // Returns the next line without its end, "\n" or "\r\n".
   std::string_view next() {
     const std::size_t end = text_.find('\n', place_);
     if (end == std::string::npos) {
@@ -56,7 +56,7 @@ class HeaderLines {
   std::size_t place_ = 0;
 };
 
-// As many numbers as `numbers` has room for, set apart by white space, and nothing after them.
+// Parses exactly as many numbers as `numbers` holds, separated by white space, and nothing after them.
 template <std::size_t Count>
 std::array<double, Count> read_numbers(const platform::ByteFile& file, std::string_view line, std::string_view value) {
   std::array<double, Count> numbers{};
@@ -104,7 +104,7 @@ void read_format(const platform::ByteFile& file, HdrHeader& header, std::string_
 
 void read_primaries(const platform::ByteFile& file, HdrHeader& header, std::string_view line, std::string_view value) {
   const auto numbers = read_numbers<8>(file, line, value);
-  // Photoshop writes eight zeros into every file: it means nothing by them.
+  // Photoshop writes eight zeros, which have no meaning, into every file.
   if (std::any_of(numbers.begin(), numbers.end(), [](double number) { return number != 0.0; })) {
     const auto& [rx, ry, gx, gy, bx, by, wx, wy] = numbers;
     header.primaries = Chromaticities{{rx, ry}, {gx, gy}, {bx, by}, {wx, wy}};
@@ -118,7 +118,7 @@ void read_line(const platform::ByteFile& file, HdrHeader& header, std::string_vi
   if (const auto format = value_of("FORMAT="sv)) {
     read_format(file, header, *format);
   } else if (const auto exposure = value_of("EXPOSURE="sv)) {
-    // Filament's cmgen writes EXPOSURE=0 into every file, and means stops.
+    // Filament's cmgen writes EXPOSURE=0, in stops, into every file.
     const double factor = read_numbers<1>(file, line, *exposure)[0];
     if (factor != 0.0) multiply_divisor(file, header, line, glm::dvec3(factor));
   } else if (const auto correction = value_of("COLORCORR="sv)) {
@@ -127,7 +127,7 @@ void read_line(const platform::ByteFile& file, HdrHeader& header, std::string_vi
   } else if (const auto primaries = value_of("PRIMARIES="sv)) {
     read_primaries(file, header, line, *primaries);
   } else if (const auto gamma = value_of("GAMMA="sv)) {
-    // Photoshop writes GAMMA=1. Nothing that reads Radiance files applies another one.
+    // Photoshop writes GAMMA=1. No program that reads Radiance files applies another one.
     const std::string_view said = without_leading_space(*gamma);
     header.gamma = said == "1" || said == "1.0" ? "" : platform::printable(std::string(said));
   }
@@ -151,8 +151,8 @@ int read_extent(const platform::ByteFile& file, std::string_view line, const cha
   return static_cast<int>(value);
 }
 
-// The axis that stands first is the one that changes from scanline to scanline. Each axis is marked with where it
-// runs to: +X to the right, +Y up.
+// The first axis is the one that changes from scanline to scanline. Each axis is marked with its direction: +X to the
+// right, +Y up.
 void read_resolution(const platform::ByteFile& file, HdrHeader& header, std::string_view line) {
   std::string_view text = line;
   std::string axes;

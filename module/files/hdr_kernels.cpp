@@ -1,4 +1,4 @@
-// Mantissas of a byte and their common exponent, four texels side by side in the 16 logical lanes.
+// Byte mantissas and their common exponent, four texels at a time in the 16 logical lanes.
 #include "files/hdr_kernels.h"
 
 #include <algorithm>
@@ -11,11 +11,11 @@ namespace {
 
 using simd::Bytes, simd::Integers, simd::kLanes, simd::kParts, simd::Lanes;
 
-constexpr int kTexels = kLanes / 4;  // of a group
+constexpr int kTexels = kLanes / 4;  // per group
 constexpr int kComponents = 4;
 
-/// 2^(exponent - 136) = 2^(half - 63) 2^(exponent - half - 73), with half the exponent, rounded down: neither factor
-/// leaves the range of normal floats, and neither product rounds.
+/// 2^(exponent - 136) = 2^(half - 63) 2^(exponent - half - 73), where half is half the exponent, rounded down: both
+/// factors are normal floats, and no product rounds.
 WELKIN_INLINE Lanes values(Integers texels) {
   const Integers exponent = simd::last_of_each_four(texels);
   const Integers half = exponent >> 1;
@@ -25,7 +25,7 @@ WELKIN_INLINE Lanes values(Integers texels) {
   return xsimd::to_float(mantissas) * first * second;
 }
 
-/// Four texels to twelve floats, and up to four more that follow them.
+/// Converts four texels to twelve floats, and writes up to four more behind them.
 WELKIN_INLINE void convert_group(Bytes bytes, float* rgb) {
   const simd::IntegerGroup texels = simd::widened(bytes);
   for (int k = 0; k < kParts; ++k) {
@@ -33,7 +33,7 @@ WELKIN_INLINE void convert_group(Bytes bytes, float* rgb) {
   }
 }
 
-/// 16 texels of four planes to 48 floats, and up to four more that follow them.
+/// Converts 16 texels of four planes to 48 floats, and writes up to four more behind them.
 WELKIN_INLINE void convert_run(const std::uint8_t* const (&planes)[kComponents], int first, float* rgb) {
   const Bytes components[kComponents] = {simd::load_bytes(planes[0] + first), simd::load_bytes(planes[1] + first),
                                          simd::load_bytes(planes[2] + first), simd::load_bytes(planes[3] + first)};
@@ -51,7 +51,7 @@ void floats_from_rgbe(const std::uint8_t* planes, int length, float* rgb) {
                                                        planes + 3 * length};
   int first = 0;
   for (; first + kLanes + beyond <= length; first += kLanes) convert_run(components, first, rgb + 3 * first);
-  // What is left is less than two runs.
+  // The rest is less than two runs.
   for (; first < length; first += kLanes) {
     const auto count = static_cast<std::size_t>(std::min(kLanes, length - first));
     std::uint8_t bytes[kComponents][kLanes] = {};

@@ -23,8 +23,8 @@ constexpr std::size_t kBufferBytes = std::size_t{64} << 10U;
 constexpr int kShortestNewForm = 8;
 constexpr int kLongestNewForm = 0x7fff;
 
-// Repeats of a repeat shift their counts by this much more each time; beyond three of them any count but 0 is
-// longer than the longest scanline.
+// Each repeat of a repeat shifts its count by this much more; beyond three of them any count but 0 is longer than the
+// longest scanline.
 constexpr unsigned kShiftStep = 8;
 constexpr unsigned kLargestShift = 24;
 
@@ -32,21 +32,21 @@ bool is_repeat(const std::uint8_t* texel) { return texel[0] == 1 && texel[1] == 
 
 // The coded scanlines of an image, one after the other.
 
-/// How a scanline is held. Each scanline of a file says for itself; `flat` is the old form without a repeat.
+/// The coding of a scanline, which each scanline of a file states. `flat` is the old form without a repeat.
 enum class HdrCoding { flat, old_rle, new_rle };
 
-/// Reads through scanlines with a handle and a buffer of its own. Not for two threads at once.
+/// Reads scanlines through its own handle and buffer. Not for two threads at once.
 ///
-/// A scanline is either four runs of bytes, one a component, after the bytes 2, 2 and its length (the "new" form,
-/// of lengths from 8 to 32767), or texels of four bytes each, among which (1, 1, 1, n) says "the last texel, n times
+/// A scanline is either four runs of bytes, one per component, after the bytes 2, 2 and its length (the "new" form, of
+/// lengths from 8 to 32767), or texels of four bytes each, among which (1, 1, 1, n) means "the last texel, n times
 /// more", and the next such one right after it "256 n times more", and so on (the "old" form). A new-looking start
-/// whose length has its highest bit set is an old texel. (Radiance's color.c: freadcolrs, oldreadcolrs.)
+/// whose length has its highest bit set is an old texel. (Radiance's `color.c`: freadcolrs, oldreadcolrs.)
 ///
-/// What Radiance reads without a word, or past the end of its memory, is refused: repeats that leave the scanline,
+/// Two inputs are refused that Radiance reads silently, or past the end of its memory: repeats that leave the scanline,
 /// and a repeat before any texel.
 class HdrScanlines {
  public:
-  /// Of a file with `count` scanlines of `length` texels.
+  /// Opens a file with `count` scanlines of `length` texels.
   HdrScanlines(const FileInput& input, int length, int count)
       : file_(open_file(input)), length_(length), count_(count), buffer_(kBufferBytes) {}
 
@@ -69,14 +69,14 @@ class HdrScanlines {
 
   [[nodiscard]] int scanline() const noexcept { return scanline_; }
 
-  /// Where the next scanline starts.
+  /// Returns the offset of the next scanline.
   [[nodiscard]] std::uint64_t position() const noexcept { return buffer_position_ + cursor_; }
 
   /// Decodes the next scanline to four planes of `length` bytes: the components' mantissas and the exponents.
   /// Throws `Error`: corrupt_file naming scanline and byte, file_access.
   HdrCoding decode(std::uint8_t* planes) { return pass(planes); }
 
-  /// Passes over it. Throws just as `decode` would.
+  /// Skips the next scanline. Throws the errors of `decode`.
   HdrCoding skip() { return pass(nullptr); }
 
  private:
@@ -87,7 +87,7 @@ class HdrScanlines {
                                    "; fetch or export the file again");
   }
 
-  // The next `count` bytes, few against the buffer, side by side.
+  // Returns the next `count` bytes, few against the buffer, contiguously.
   const std::uint8_t* peek(std::size_t count) {
     if (filled_ - cursor_ < count) {
       std::memmove(buffer_.data(), buffer_.data() + cursor_, filled_ - cursor_);
@@ -131,7 +131,7 @@ class HdrScanlines {
     return coding;
   }
 
-  // Codes above 128 repeat the byte that follows (code - 128) times, others take as many bytes as they are.
+  // Codes above 128 repeat the byte that follows (code - 128) times; other codes are followed by that many bytes.
   void pass_component(std::uint8_t* plane) {
     const auto length = static_cast<std::size_t>(length_);
     for (std::size_t done = 0; done < length;) {
@@ -192,21 +192,21 @@ class HdrScanlines {
   int count_;
   int scanline_ = 0;
   std::vector<std::uint8_t> buffer_;
-  std::uint64_t buffer_position_ = 0;  // of the buffer's first byte in the file
-  std::size_t cursor_ = 0;             // in the buffer
+  std::uint64_t buffer_position_ = 0;  // file offset of the buffer's first byte
+  std::size_t cursor_ = 0;             // offset in the buffer
   std::size_t filled_ = 0;
 };
 
-// Where each scanline of an image starts.
+// The offsets of an image's scanlines.
 
-// Scanlines that are found before they are made known: the lock is for others to wait at.
+// Scanlines that are found before they are published: other threads wait for the lock.
 constexpr std::size_t kBatch = 32;
 
-/// The file has no such table, and where a scanline starts is known only from the codes of all before it. This finds
-/// as many as are asked for, by passing over the codes, and remembers them: 8 bytes a scanline.
+/// The file has no such table, and a scanline's start follows only from the codes of all before it. The index finds as
+/// many as requested by skipping over the codes, and stores them: 8 bytes per scanline.
 ///
-/// For any number of threads at once. One of them looks for new places; the others get those that are known without
-/// waiting for it.
+/// For any number of threads at once. One of them searches for new offsets; the others get known ones without waiting
+/// for it.
 class HdrScanlineIndex {
  public:
   HdrScanlineIndex(const FileInput& input, int length, int count, std::uint64_t first_byte)
@@ -218,7 +218,7 @@ class HdrScanlineIndex {
     return HdrScanlines::memory_bytes() + static_cast<std::uint64_t>(count) * sizeof(std::uint64_t);
   }
 
-  /// Throws `Error` (corrupt_file, file_access) for the first scanline before `scanline` that cannot be passed over.
+  /// Throws `Error` (corrupt_file, file_access) for the first scanline before `scanline` that cannot be skipped.
   [[nodiscard]] std::uint64_t position_of(int scanline) {
     const auto index = static_cast<std::size_t>(scanline);
     if (index >= known()) {
@@ -237,7 +237,7 @@ class HdrScanlineIndex {
   void scan_to(std::size_t scanline) {
     const std::lock_guard scanning(scanner_mutex_);
     for (std::size_t next = known(); next <= scanline;) {
-      // After an error the scanner stands within a scanline: it starts again where that one does, and fails again.
+      // After an error the scanner is within a scanline: it restarts at that scanline's beginning, and fails again.
       {
         const std::lock_guard lock(positions_mutex_);
         scanner_.seek(static_cast<int>(next) - 1, positions_.back());
@@ -250,7 +250,7 @@ class HdrScanlineIndex {
         found[count] = scanner_.position();
       }
       const std::lock_guard lock(positions_mutex_);
-      // Whole, once: a scanline takes at least 4 bytes of the file, which were found to be there before.
+      // Reserved once for all: a scanline takes at least 4 bytes of the file, whose presence was checked before.
       positions_.reserve(static_cast<std::size_t>(count_));
       positions_.insert(positions_.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(count));
       next += count;
@@ -259,32 +259,32 @@ class HdrScanlineIndex {
 
   int count_;
   std::mutex positions_mutex_;
-  std::vector<std::uint64_t> positions_;  // guarded; of the scanlines from 0 on
+  std::vector<std::uint64_t> positions_;  // guarded; offsets of the scanlines from 0 on
   std::mutex scanner_mutex_;
-  HdrScanlines scanner_;  // guarded; stands at the last known scanline
+  HdrScanlines scanner_;  // guarded; at the last known scanline
 };
 
 // An image whose scanlines are columns, held in memory as rows.
 
-// Columns that are turned at once: a row takes this many bytes of a component side by side.
+// Columns that are transposed at once: a row takes this many adjacent bytes of a component.
 constexpr int kTogether = 16;
 
 std::uint64_t coded_bytes(std::uint64_t texels) { return 4 * texels; }
 
-/// Every row has a texel of every column, so the whole image is decoded, once, when the first row is asked for.
-/// For any number of threads at once.
+/// Every row has a texel of every column, so the whole image is decoded once, at the first request for a row. For any
+/// number of threads at once.
 class HdrColumns {
  public:
   HdrColumns(FileInput input, HdrHeader header) : input_(std::move(input)), header_(std::move(header)) {}
 
-  /// What all of it takes, in bytes: the image and what decoding needs.
+  /// Returns the bytes of the image and of decoding it.
   [[nodiscard]] static std::uint64_t memory_bytes(const HdrHeader& header) noexcept {
     const auto height = static_cast<std::uint64_t>(header.height);
     return coded_bytes(static_cast<std::uint64_t>(header.width) * height) + coded_bytes(kTogether * height) +
            HdrScanlines::memory_bytes();
   }
 
-  /// Row `row` of the upright image: four planes of `width` bytes. Throws as `HdrScanlines::decode`.
+  /// Returns row `row` of the upright image: four planes of `width` bytes. Throws the errors of `HdrScanlines::decode`.
   [[nodiscard]] const std::uint8_t* row(int row) {
     const std::lock_guard lock(mutex_);
     if (planes_ == nullptr) {
@@ -297,7 +297,7 @@ class HdrColumns {
   void decode() {
     const auto width = static_cast<std::size_t>(header_.width);
     const auto height = static_cast<std::size_t>(header_.height);
-    // Not cleared: memory that nothing was decoded to is not touched, whatever the header claims.
+    // Not cleared: memory that receives no decoded bytes is not touched, whatever the header claims.
     auto planes = platform::make_unique_for_overwrite<std::uint8_t[]>(coded_bytes(width * height));
     std::vector<std::uint8_t> columns(coded_bytes(kTogether * height));
     HdrScanlines scanlines(input_, header_.height, header_.width);
@@ -305,7 +305,7 @@ class HdrColumns {
     for (std::size_t first = 0; first < width; first += kTogether) {
       const std::size_t count = std::min<std::size_t>(kTogether, width - first);
       for (std::size_t i = 0; i < count; ++i) {
-        // From the left in memory, whichever way they come.
+        // Stored from the left in memory, whatever their order in the file.
         const std::size_t slot = header_.right_first ? count - 1 - i : i;
         scanlines.decode(columns.data() + coded_bytes(slot * height));
       }
@@ -326,17 +326,17 @@ class HdrColumns {
   FileInput input_;
   HdrHeader header_;
   std::mutex mutex_;
-  std::unique_ptr<std::uint8_t[]> planes_;  // guarded until it is there
+  std::unique_ptr<std::uint8_t[]> planes_;  // guarded until it is set
 };
 
-// From an image's bytes to RGB floats.
+// Conversion of an image's bytes to RGB floats.
 
-/// A component is mantissa * 2^(exponent - 136); with exponent 0, all three are 0. Radiance's own programs add
-/// a half to the mantissa, to undo the mean of what truncation took away; every other reader and the writers that
-/// round do not, and nor does this: a float holds each such value exactly.
+/// A component is mantissa * 2^(exponent - 136); with exponent 0, all three are 0. Radiance's programs add a half to
+/// the mantissa, to undo the mean loss by truncation. Every other reader and the writers that round do not, and neither
+/// does this: a float holds each such value exactly.
 class HdrTexels {
  public:
-  /// Components are divided by `divisor` (what that leaves is rounded to double, then to float), then multiplied by
+  /// Components are divided by `divisor` (the quotient is rounded to double, then to float), then multiplied by
   /// `matrix` in double, if there is one.
   HdrTexels(const glm::dvec3& divisor, const std::optional<glm::dmat3>& matrix)
       : plain_(divisor == glm::dvec3(1.0) && !matrix), matrix_(matrix) {
@@ -349,8 +349,8 @@ class HdrTexels {
     }
   }
 
-  /// `planes`: four of `length` bytes, mantissas and exponents. Texels go to `rgb` from the last to the first if
-  /// `reversed`.
+  /// `planes`: four of `length` bytes, mantissas and exponents. Texels are written to `rgb` from the last to the first
+  /// if `reversed`.
   void convert(const std::uint8_t* planes, int length, bool reversed, float* rgb) const noexcept {
     if (plain_ && !reversed) return hdr_kernels().floats_from_rgbe(planes, length, rgb);
     const std::uint8_t* red = planes;
@@ -372,12 +372,12 @@ class HdrTexels {
   }
 
  private:
-  bool plain_;                                       // as they are stored
-  std::array<std::array<double, 256>, 3> scales_{};  // of each component by exponent
+  bool plain_;                                       // values are used as stored
+  std::array<std::array<double, 256>, 3> scales_{};  // per component and exponent
   std::optional<glm::dmat3> matrix_;
 };
 
-// Decodes scanlines where they lie; the index says where that is when rows are asked for out of turn.
+// Decodes scanlines directly from the file; the index finds them when rows are requested out of order.
 class ScanlineReader final : public RowReader {
  public:
   ScanlineReader(const FileInput& input, const HdrHeader& header, const HdrTexels& texels, HdrScanlineIndex& index)
@@ -440,7 +440,7 @@ RowTraits hdr_traits(const HdrHeader& header) {
   return traits;
 }
 
-/// A function that makes readers. What these share locks for itself.
+/// Returns a function that makes readers. Their shared state has its own locks.
 RowSource::Open readers_of(const FileInput& input, const HdrHeader& header, const HdrTexels& texels) {
   if (header.columns) {
     return [columns = std::make_shared<HdrColumns>(input, header), width = header.width, texels] {
@@ -452,7 +452,7 @@ RowSource::Open readers_of(const FileInput& input, const HdrHeader& header, cons
   return [input, header, texels, index] { return std::make_unique<ScanlineReader>(input, header, texels, *index); };
 }
 
-// Told from the first scanline, as each says for itself. Fails if not even that is there.
+// Decided by the first scanline, as each states its coding. Throws if even that is missing.
 const char* compression_of(const platform::ByteFile& file, const HdrHeader& header) {
   HdrScanlines scanlines(input_of(file), header.scanline_length(), header.scanlines());
   scanlines.seek(0, header.first_byte);
@@ -470,10 +470,10 @@ std::optional<glm::dmat3> matrix_of(const HdrHeader& header, Primaries wanted, E
                           : std::nullopt;
 }
 
-// Two texels in a row take 8 bytes at the least: a texel and how often it comes again.
+// Two texels in a row take at least 8 bytes: a texel and its repeat count.
 void require_plausible_size(const platform::ByteFile& file, const HdrHeader& header) {
-  const std::uint64_t least = header.scanline_length() == 1 ? 4 : 8;
-  const std::uint64_t wanted = least * static_cast<std::uint64_t>(header.scanlines());
+  const std::uint64_t minimum = header.scanline_length() == 1 ? 4 : 8;
+  const std::uint64_t wanted = minimum * static_cast<std::uint64_t>(header.scanlines());
   const std::uint64_t found = file.size() - header.first_byte;
   if (wanted > found) {
     throw platform::file_error(ErrorCode::corrupt_file, file.path(),

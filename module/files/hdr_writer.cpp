@@ -22,16 +22,16 @@ using Rgbe = std::array<std::uint8_t, 4>;
 /// The largest value: mantissa 255 at the largest exponent.
 constexpr float kLargest = 0xFFp119F;
 
-/// Mantissas of 8 bits with a common exponent, value = mantissa 2^(exponent - 136) (Ward, "Real Pixels", Graphics Gems
-/// II). Radiance itself cuts mantissas off and puts half a step back when it reads; most other readers do not put it
-/// back, so mantissas are rounded to the nearest here, which is off by half a step at most for them.
+/// Encodes mantissas of 8 bits with a common exponent, value = mantissa 2^(exponent - 136) (Ward, "Real Pixels",
+/// Graphics Gems II). Radiance truncates mantissas and adds half a step back when it reads; most other readers do not,
+/// so mantissas are rounded to nearest here, which is off by at most half a step for these readers.
 Rgbe encode(const float* rgb, std::uint64_t& clamped) {
   std::array<float, 3> values{};
   for (std::size_t c = 0; c < 3; ++c) values[c] = image::bounded(rgb[c], kLargest, clamped);
   const float largest = *std::max_element(values.begin(), values.end());
   int exponent = 0;
   std::frexp(largest, &exponent);  // largest = f 2^exponent, f in [0.5, 1)
-  // 255.5 and more would round to 256: the next exponent has room for it.
+  // 255.5 and more would round to 256, which needs the next exponent.
   if (std::ldexp(largest, 8 - exponent) >= 255.5F && exponent < 127) ++exponent;
   if (largest <= 0.0F || exponent < -127) return {0, 0, 0, 0};
   Rgbe result{};
@@ -49,9 +49,9 @@ std::size_t run_length(const std::vector<std::uint8_t>& values, std::size_t firs
   return last - first;
 }
 
-/// Runs as 128 + length and the value, other values after their number.
+/// Appends runs as 128 + length and the value, other values after their count.
 void append_runs(const std::vector<std::uint8_t>& values, std::vector<std::uint8_t>& bytes) {
-  std::size_t dumped = 0;  // values before it are written
+  std::size_t dumped = 0;  // values before this one are written
   const auto dump_up_to = [&](std::size_t end) {
     while (dumped < end) {
       const std::size_t count = std::min(kLongestDump, end - dumped);
@@ -74,7 +74,7 @@ void append_runs(const std::vector<std::uint8_t>& values, std::vector<std::uint8
   dump_up_to(values.size());
 }
 
-/// 2, 2 and the width, then the four components one after the other.
+/// Appends 2, 2 and the width, then the four components one after the other.
 void append_encoded(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& bytes) {
   bytes.insert(bytes.end(),
                {2, 2, static_cast<std::uint8_t>(row.size() >> 8U), static_cast<std::uint8_t>(row.size() & 0xFFU)});
@@ -85,7 +85,7 @@ void append_encoded(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& byt
   }
 }
 
-/// A flat texel of mantissas 1, 1, 1 is taken for the old run-length form's repetition: the least change avoids it.
+/// A flat texel of mantissas 1, 1, 1 would read as the old run-length form's repetition: a minimum change avoids it.
 void append_flat(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& bytes) {
   for (Rgbe texel : row) {
     if (texel[0] == 1 && texel[1] == 1 && texel[2] == 1) texel[2] = 2;

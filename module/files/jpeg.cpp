@@ -21,7 +21,7 @@
 namespace welkin::files {
 namespace {
 
-/// Factors 2^gain of samples of 8 bits, or of values between them.
+/// The factors 2^gain of samples of 8 bits, and of values between them.
 class GainCurve {
  public:
   explicit GainCurve(const GainMap& map) {
@@ -33,7 +33,7 @@ class GainCurve {
     }
   }
 
-  /// The factor of a sample, 0 to 255, of a channel: the same bits everywhere.
+  /// Returns the factor of a channel's sample, 0 to 255: the same bits on every machine.
   [[nodiscard]] double factor(std::size_t channel, double sample) const noexcept {
     double share = sample / 255.0;
     if (exponent_[channel] != 1.0 && share > 0.0) {
@@ -46,15 +46,15 @@ class GainCurve {
   std::array<double, 3> minimum_{}, range_{}, exponent_{};  // in natural logarithms
 };
 
-/// The two images of a file, and how samples of the base become light.
+/// The two images of a file, and the conversion of the base's samples to light.
 struct Pair {
   JpegSegments base, map;
   std::array<float, 256> light{};  ///< of the base's samples
   std::optional<glm::dmat3> matrix;
 };
 
-/// Rows of a gain map, spread over the base image: texels are areas of both, and between the centres of the map's
-/// its samples are interpolated linearly, as graphics hardware does; beyond the outermost centres they stay.
+/// Rows of a gain map, stretched over the base image. Texels are areas of both. Between the centres of the map's texels
+/// its samples are interpolated linearly, as graphics hardware does; beyond the outer centres they are constant.
 class GainRows {
  public:
   GainRows(const FileInput& input, const Pair& pair)
@@ -67,9 +67,9 @@ class GainRows {
     upper_ = lower_;
   }
 
-  /// Factors for a row of the base image, three a texel. Rows are asked for from the top.
+  /// Writes the factors for a row of the base image, three per texel. Rows are requested from the top.
   void factors(int row, float* rgb) {
-    const TwoSamples vertical = place(row, pair_.base.height, pair_.map.height);
+    const TwoSamples vertical = samples_around(row, pair_.base.height, pair_.map.height);
     while (next_ <= vertical.second) {
       std::swap(upper_, lower_);
       decoder_.decode_row(lower_.data());
@@ -79,7 +79,7 @@ class GainRows {
     const std::vector<std::uint8_t>& first = vertical.first == next_ - 1 ? lower_ : upper_;
     const auto channels = static_cast<std::size_t>(pair_.map.components);
     for (int column = 0; column < pair_.base.width; ++column, rgb += 3) {
-      const TwoSamples across = place(column, pair_.base.width, pair_.map.width);
+      const TwoSamples across = samples_around(column, pair_.base.width, pair_.map.width);
       const std::size_t left = channels * static_cast<std::size_t>(across.first);
       const std::size_t right = channels * static_cast<std::size_t>(across.second);
       for (std::size_t channel = 0; channel < 3; ++channel) {
@@ -97,7 +97,7 @@ class GainRows {
     double share;  ///< of the second
   };
 
-  static TwoSamples place(int texel, int texels, int samples) {
+  static TwoSamples samples_around(int texel, int texels, int samples) {
     const double at = (texel + 0.5) * samples / texels - 0.5;
     const double within = std::clamp(at, 0.0, samples - 1.0);
     const int first = std::min(static_cast<int>(within), samples - 1);
@@ -152,7 +152,7 @@ class JpegReader final : public SequentialReader {
       files::apply(*pair_.matrix, rgb - 3 * pair_.base.width, static_cast<std::size_t>(pair_.base.width));
   }
 
-  const FileInput& input_;  // the source's
+  const FileInput& input_;  // of the source
   const Pair& pair_;
   std::unique_ptr<JpegDecoder> base_;
   std::unique_ptr<GainRows> gains_;
@@ -173,8 +173,8 @@ RowTraits jpeg_traits(const Pair& pair) {
   throw platform::file_error(ErrorCode::unsupported_file, path, reason);
 }
 
-/// The base image and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if the
-/// base is already the image of high dynamic range.
+/// Returns the base image and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if
+/// the base is already the HDR image.
 Pair pair_of(platform::ByteFile& file) {
   const std::vector<JpegSegments> images = jpeg_images(file);
   const auto map = std::find_if(images.begin() + 1, images.end(), [](const JpegSegments& one) { return one.gain_map; });
@@ -196,12 +196,12 @@ Pair pair_of(platform::ByteFile& file) {
 
 void tell_gains(EnvironmentInfo& info, const JpegSegments& map) {
   const GainMap& gains = *map.gain_map;
-  const auto [least, most] = std::pair(*std::min_element(gains.minimum.begin(), gains.minimum.end()),
-                                       *std::max_element(gains.maximum.begin(), gains.maximum.end()));
+  const auto [minimum, maximum] = std::pair(*std::min_element(gains.minimum.begin(), gains.minimum.end()),
+                                            *std::max_element(gains.maximum.begin(), gains.maximum.end()));
   const auto text = [](double stops) { return platform::number_text(stops, std::chars_format::general, 4); };
   info.notes.push_back("its gain map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                       " texels, " + (map.components == 1 ? "grey, " : "in colour, ") + text(least) + " to " +
-                       text(most) + " stops, is applied in full, as " +
+                       " texels, " + (map.components == 1 ? "grey, " : "in colour, ") + text(minimum) + " to " +
+                       text(maximum) + " stops, is applied in full, as " +
                        (gains.by_iso ? "ISO 21496-1 states" : "Ultra HDR's XMP states"));
 }
 

@@ -17,17 +17,17 @@
 
 namespace welkin::files {
 
-// Gain maps: what makes a JPEG's ordinary image one of high dynamic range.
+// Gain maps, which turn a JPEG's ordinary image into an HDR image.
 
-/// How the samples of a gain map change those of the base image, by channel. (ISO 21496-1:2025, 5.2; Android's Ultra
-/// HDR image format 1.1, whose XMP has the same numbers.)
+/// The mapping from the samples of a gain map to changes of the base image, per channel. (ISO 21496-1:2025, 5.2;
+/// Android's Ultra HDR image format 1.1, whose XMP has the same numbers.)
 ///
 ///   gain = minimum + (maximum - minimum) sample^(1 / gamma)
 ///   result = (base + base_offset) 2^gain - alternate_offset
 ///
 /// with samples from 0 to 1 and linear colours, of which 1 is the white of ordinary images.
 struct GainMap {
-  bool by_iso = false;                         ///< else by XMP
+  bool by_iso = false;                         ///< otherwise by XMP
   bool from_base = true;                       ///< the base is the ordinary image
   std::array<double, 3> minimum{}, maximum{};  ///< base-2 logarithms
   std::array<double, 3> gamma{1.0, 1.0, 1.0};
@@ -39,26 +39,25 @@ struct GainMap {
 
 /// The contents of one JPEG image's markers. (ITU-T T.81, annex B.)
 struct JpegSegments {
-  std::uint64_t begin = 0;  ///< place of its first byte in the file
-  std::uint64_t end = 0;    ///< behind its last one
+  std::uint64_t begin = 0;  ///< offset of its first byte in the file
+  std::uint64_t end = 0;    ///< offset behind its last byte
   int width = 0;
   int height = 0;
   int bits = 0;
   int components = 0;
   bool buffered = false;                    ///< must be decoded whole: progressive, or in several scans
-  std::optional<GainMap> gain_map;          ///< that this image is
+  std::optional<GainMap> gain_map;          ///< if this image is one
   std::optional<Chromaticities> primaries;  ///< of its ICC profile, if they are not sRGB's
   bool has_other_profile = false;           ///< an ICC profile that names no primaries
 };
 
-/// The images of a file, in their order. They are looked for where they lie, one behind the other: the places that an
-/// MPF segment or XMP states are wrong once a tool has added a segment.
-/// Throws `Error` (corrupt_file, file_access) and unsupported_file for what is no JPEG of 8 bits with 1 or 3
-/// components.
+/// Returns the images of a file, in their order. They are found by reading one after the other: the offsets that an MPF
+/// segment or XMP states are wrong once a tool has added a segment. Throws `Error` (corrupt_file, file_access), and
+/// unsupported_file for anything but a JPEG of 8 bits with 1 or 3 components.
 [[nodiscard]] std::vector<JpegSegments> jpeg_images(platform::ByteFile& file);
 
-/// Rows of one image by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits a sample. Bits do not depend on
-/// the machine: the slow integer transform, and libjpeg's own interpolation of colours.
+/// Decodes rows of one image by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits per sample. Bits do not
+/// depend on the machine: it uses the slow integer transform, and libjpeg's interpolation of colours.
 class JpegDecoder {
  public:
   /// Throws `Error`: corrupt_file, file_access.
@@ -70,11 +69,11 @@ class JpegDecoder {
 
   [[nodiscard]] std::size_t row_bytes() const noexcept;
 
-  /// The next row, to `row_bytes()` bytes. The last one reads the image to its end. Throws `Error`:
+  /// Decodes the next row to `row_bytes()` bytes. The last one reads the image to its end. Throws `Error`:
   /// corrupt_file, file_access.
   void decode_row(std::uint8_t* row);
 
-  /// An upper bound on what one holds in memory.
+  /// Returns an upper bound on the memory of one decoder.
   [[nodiscard]] static std::uint64_t memory_bytes(const JpegSegments& image) noexcept;
 
  private:

@@ -1,4 +1,4 @@
-#include <cstdio>  // jpeglib.h takes it for granted
+#include <cstdio>  // needed by jpeglib.h, which does not include it
 // Its own after that.
 #include <jpeglib.h>
 
@@ -14,14 +14,14 @@
 
 namespace welkin::files {
 
-// libjpeg ends a call by a jump, which must pass over nothing that has a destructor: so each call stands in a function
-// of its own, `attempt`, and what goes wrong in our reading is kept until it has returned.
+// libjpeg ends a failed call by a jump, which must not pass over anything with a destructor: so each call stands in a
+// separate function, `attempt`, and errors of our reading are kept until it has returned.
 struct JpegDecoder::State {
   State(const FileInput& input, const JpegSegments& from) : image(from), file(open_file(input)) {
     file.seek(image.begin);
     decompress.err = jpeg_std_error(&errors);
     errors.error_exit = [](j_common_ptr common) { of(common).jump_out(); };
-    // Its warnings are about damage: an image is whole or it is refused.
+    // Its warnings are about damage: an image is either whole or refused.
     errors.emit_message = [](j_common_ptr common, int level) {
       if (level < 0) of(common).jump_out();
     };
@@ -51,7 +51,7 @@ struct JpegDecoder::State {
 
   [[noreturn]] void jump_out() {
     errors.format_message(reinterpret_cast<j_common_ptr>(&decompress), message.data());
-    std::longjmp(place, 1);  // NOLINT(cert-err52-cpp): libjpeg knows no other way out
+    std::longjmp(target, 1);  // NOLINT(cert-err52-cpp): libjpeg offers no other way out
   }
 
   /// Calls a function of libjpeg. Throws `Error`: corrupt_file, file_access.
@@ -69,7 +69,7 @@ struct JpegDecoder::State {
   }
 
   bool returns(void (*call)(State&)) {
-    if (setjmp(place) != 0) return false;  // NOLINT(cert-err52-cpp)
+    if (setjmp(target) != 0) return false;  // NOLINT(cert-err52-cpp)
     call(*this);
     return true;
   }
@@ -109,14 +109,14 @@ struct JpegDecoder::State {
   jpeg_decompress_struct decompress{};
   jpeg_error_mgr errors{};
   jpeg_source_mgr reader{};
-  std::jmp_buf place{};
+  std::jmp_buf target{};
   std::exception_ptr failure;
-  std::uint8_t* row = nullptr;  // where the next one goes
+  std::uint8_t* row = nullptr;  // receives the next row
   std::array<char, JMSG_LENGTH_MAX> message{};
   std::array<JOCTET, 16384> buffer{};
 };
 
-// The number of libjpeg's message about memory is in a header of its own, which asks to be included as an enumeration.
+// The number of libjpeg's message about memory is in a separate header, to be included as an enumeration.
 namespace {
 enum LibjpegMessage {
 #define JMESSAGE(code, string) code,

@@ -18,7 +18,7 @@ using namespace std::string_view_literals;
 
 // Gain maps.
 
-// Beyond this many stops no float is left; nobody means it.
+// Beyond this many stops no float is left; such a value is an error.
 constexpr double kMaximumStops = 64.0;
 
 [[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
@@ -42,8 +42,8 @@ void check(const GainMap& map, const std::filesystem::path& path) {
   }
 }
 
-// XMP, as much of it as gain maps use: a property is an attribute, name="1.5", or an element with one value or a list
-// of them, <name>1.5</name> or <name><rdf:Seq><rdf:li>1.5</rdf:li>...</rdf:Seq></name>. (XMP specification, part 1, 7.)
+// XMP, the part that gain maps use: a property is an attribute, name="1.5", or an element with one value or a list of
+// them, <name>1.5</name> or <name><rdf:Seq><rdf:li>1.5</rdf:li>...</rdf:Seq></name>. (XMP specification, part 1, 7.)
 
 bool is_space(char letter) { return letter == ' ' || letter == '\t' || letter == '\n' || letter == '\r'; }
 
@@ -53,7 +53,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The prefix that a packet gives a namespace, xmlns:prefix="uri"; empty if it does not name it.
+/// Returns the prefix that a packet gives a namespace, xmlns:prefix="uri"; empty if the packet does not use it.
 std::string prefix_of(std::string_view packet, std::string_view uri) {
   const std::size_t at = packet.find(uri);
   if (at == std::string_view::npos || at < 3) return {};
@@ -64,7 +64,7 @@ std::string prefix_of(std::string_view packet, std::string_view uri) {
   return colon == std::string_view::npos ? std::string() : std::string(name.substr(colon + 6));
 }
 
-/// The texts of a property: none, one, or those of its list.
+/// Returns the texts of a property: none, one, or those of its list.
 std::vector<std::string_view> texts_of(std::string_view packet, const std::string& name) {
   for (std::size_t at = packet.find(name); at != std::string_view::npos; at = packet.find(name, at + 1)) {
     const bool opens = at > 0 && packet[at - 1] == '<';
@@ -101,7 +101,7 @@ class XmpReader {
     return !texts.empty() && (texts[0] == "True"sv || texts[0] == "true"sv);
   }
 
-  /// One value for all channels, or one for each; without any, `values` stays.
+  /// Reads one value for all channels, or one per channel; if there is none, `values` is unchanged.
   void read(const char* name, std::array<double, 3>& values) const {
     const std::vector<std::string_view> texts = texts_of(packet_, prefix_ + ":" + name);
     if (texts.empty()) return;
@@ -130,7 +130,7 @@ class XmpReader {
   const std::filesystem::path& path_;
 };
 
-/// Big-endian numbers, one after the other. (ISO 21496-1:2025, annex C.2.)
+/// Reads big-endian numbers, one after the other. (ISO 21496-1:2025, annex C.2.)
 class IsoReader {
  public:
   IsoReader(std::span<const std::uint8_t> bytes, const std::filesystem::path& path) : bytes_(bytes), path_(path) {}
@@ -143,12 +143,12 @@ class IsoReader {
     return value;
   }
 
-  /// A fraction of two numbers of 4 bytes; `denominator` is 0 where each has its own.
+  /// Reads a fraction of two numbers of 4 bytes; `denominator` is 0 where each has its own.
   double fraction(bool is_signed, std::uint32_t denominator) {
     const std::uint32_t numerator = unsigned_number(4);
     const std::uint32_t below = denominator != 0 ? denominator : unsigned_number(4);
     if (below == 0) damaged(path_, "a fraction is divided by zero");
-    // Two's complement, without leaving what the language defines.
+    // Two's complement, within defined behaviour.
     const double value = is_signed && numerator >= 0x80000000U ? static_cast<double>(numerator) - 4294967296.0
                                                                : static_cast<double>(numerator);
     return value / static_cast<double>(below);
@@ -165,13 +165,13 @@ class IsoReader {
 constexpr std::uint32_t kEachChannel = 0x80;
 constexpr std::uint32_t kCommonDenominator = 0x08;
 
-/// From the XMP packet of a gain map's own JPEG. Nothing if the packet is about other things.
-/// Throws `Error` (corrupt_file) for numbers that are missing, no numbers, or out of range.
+/// Reads the XMP packet of a gain map's JPEG. Returns nothing if the packet is about other things. Throws `Error`
+/// (corrupt_file) for numbers that are missing, invalid, or out of range.
 std::optional<GainMap> gain_map_from_xmp(std::string_view packet, const std::filesystem::path& path) {
   std::string prefix = prefix_of(packet, "http://ns.adobe.com/hdr-gain-map/1.0/"sv);
   if (prefix.empty()) return std::nullopt;
   const XmpReader reader(packet, std::move(prefix), path);
-  if (!reader.has("GainMapMax")) return std::nullopt;  // the base image's, which says the version alone
+  if (!reader.has("GainMapMax")) return std::nullopt;  // the base image's, which only states the version
   GainMap map;
   reader.read("GainMapMin", map.minimum);
   reader.read("GainMapMax", map.maximum);
@@ -183,12 +183,12 @@ std::optional<GainMap> gain_map_from_xmp(std::string_view packet, const std::fil
   return map;
 }
 
-/// From the bytes of ISO 21496-1's segment, after its name. Nothing if they hold a version alone, as in the base
-/// image. Throws `Error`: corrupt_file as above, unsupported_file for a later version.
+/// Reads the bytes of ISO 21496-1's segment, after its name. Returns nothing if they only hold a version, as in the
+/// base image. Throws `Error`: corrupt_file as above, unsupported_file for a later version.
 std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes, const std::filesystem::path& path) {
   IsoReader reader(bytes, path);
   const std::uint32_t minimum_version = reader.unsigned_number(2);
-  (void)reader.unsigned_number(2);  // the writer's
+  (void)reader.unsigned_number(2);  // the writer's version
   if (minimum_version != 0) {
     throw platform::file_error(ErrorCode::unsupported_file, path,
                                "has a gain map of ISO 21496-1 version " + std::to_string(minimum_version) +
@@ -224,11 +224,11 @@ constexpr unsigned kApplication1 = 0xE1, kApplication2 = 0xE2;
 
 bool is_restart(unsigned code) { return code >= 0xD0 && code <= 0xD7; }
 
-// Start of a frame, of whatever process: but for Huffman tables (C4), an extension (C8) and arithmetic conditions (CC).
+// Returns whether a code starts a frame of any process: not Huffman tables (C4), an extension (C8) or conditions (CC).
 bool is_frame(unsigned code) { return code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC; }
 bool is_progressive(unsigned code) { return code == 0xC2 || code == 0xC6 || code == 0xCA || code == 0xCE; }
 
-/// A file's bytes, one after the other, through a buffer.
+/// Reads a file's bytes in order, through a buffer.
 class Bytes {
  public:
   Bytes(platform::ByteFile& file, std::uint64_t position) : file_(&file), begin_(position) {}
@@ -236,7 +236,7 @@ class Bytes {
   [[nodiscard]] std::uint64_t position() const noexcept { return begin_ + used_; }
   [[nodiscard]] bool at_end() { return used_ == count_ && !fill(); }
 
-  /// The next byte. Throws as `ByteFile::read` at the file's end.
+  /// Returns the next byte. Throws the errors of `ByteFile::read` at the file's end.
   unsigned next() {
     if (at_end()) damaged("ends too early");
     return static_cast<unsigned char>(buffer_[used_++]);
@@ -277,8 +277,8 @@ std::uint32_t big_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
   return value;
 }
 
-/// The primaries of an ICC profile that has a colour for each: tags rXYZ, gXYZ and bXYZ, adapted to D50, which together
-/// make that white. (ICC.1:2010, 7.2 to 7.3, 9.2.)
+/// Returns the primaries of an ICC profile that has a colour for each: tags rXYZ, gXYZ and bXYZ, adapted to D50, which
+/// together make that white. (ICC.1:2010, 7.2 to 7.3, 9.2.)
 std::optional<Chromaticities> primaries_of_profile(std::span<const std::uint8_t> profile) {
   constexpr std::size_t kHeader = 128, kEntry = 12, kMaxTags = 100;
   if (profile.size() < kHeader + 4) return std::nullopt;
@@ -305,18 +305,18 @@ std::optional<Chromaticities> primaries_of_profile(std::span<const std::uint8_t>
   return Chromaticities{xy(*colours[0]), xy(*colours[1]), xy(*colours[2]), xy(*colours[0] + *colours[1] + *colours[2])};
 }
 
-/// sRGB's, as its profiles have them: adapted to D50 by Bradford's transform. (IEC 61966-2-1; ICC's own sRGB profile.)
+/// sRGB's primaries as in its profiles, adapted to D50 by Bradford's transform. (IEC 61966-2-1; ICC's sRGB profile.)
 constexpr Chromaticities kAdaptedSrgb{{0.6484, 0.3309}, {0.3212, 0.5978}, {0.1559, 0.0660}, {0.3457, 0.3585}};
 
 void read_profile(JpegSegments& image, std::span<const std::uint8_t> segment) {
-  // After the name, which part this is, and of how many. Profiles of several parts are tables, not primaries.
+  // The name is followed by the part's number and the count. Profiles of several parts are tables, not primaries.
   const std::optional<Chromaticities> found =
       segment.size() > 2 && segment[1] == 1 ? primaries_of_profile(segment.subspan(2)) : std::nullopt;
   image.has_other_profile = !found;
   if (found && !nearly_same(*found, kAdaptedSrgb)) image.primaries = found;
 }
 
-/// The bytes after a segment's name, which ends with a zero; nothing if the name is another.
+/// Returns the bytes after a segment's name, which ends with a zero; nothing if the name is another.
 std::optional<std::span<const std::uint8_t>> named(std::span<const std::uint8_t> segment, std::string_view name) {
   if (segment.size() < name.size() ||
       !std::equal(name.begin(), name.end(), segment.begin(),
@@ -349,7 +349,7 @@ void read_frame(JpegSegments& image, unsigned code, const std::vector<std::uint8
   image.buffered = is_progressive(code);
 }
 
-/// Passes over the coded samples of a scan to the marker behind them, and returns its code.
+/// Skips the coded samples of a scan up to the next marker, and returns its code.
 unsigned marker_behind_scan(Bytes& bytes) {
   while (true) {
     unsigned code = bytes.next();
@@ -366,7 +366,7 @@ unsigned next_marker(Bytes& bytes) {
   return code;
 }
 
-/// The image that begins at a place; reads it to its end.
+/// Reads the image that begins at offset `begin` to its end.
 JpegSegments read_image(platform::ByteFile& file, std::uint64_t begin) {
   JpegSegments image;
   image.begin = begin;

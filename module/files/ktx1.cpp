@@ -1,8 +1,7 @@
-// A KTX file of the first version (Khronos, "KTX File Format Specification", version 1.0), which Filament
-// loads.
+// A KTX file of the first version (Khronos, "KTX File Format Specification", version 1.0), which Filament loads.
 //
-//   identifier, header, key/value data, then level after level from the largest: its bytes as a number, and its texels
-//   (of a cubemap that is no array the number is a face's)
+//   identifier, header, key/value data, then level after level from the largest: its byte count, and its texels
+//   (for a cubemap that is not an array, the count is a face's)
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -43,7 +42,7 @@ Header read_header(platform::ByteFile& file) {
   return header;
 }
 
-/// What lies in the file is told by type and format, of blocks by the internal format. (Filament writes the internal
+/// Returns the kind of texels: type and format decide it, for blocks the internal format. (Filament writes the internal
 /// format as type, too.)
 std::optional<TexelKind> kind_of(const Header& header) {
   switch (header.type) {
@@ -119,13 +118,13 @@ TextureLayout read_ktx1_layout(platform::ByteFile& file, int element) {
 
 namespace {
 
-/// What the header says of texels.
+/// The header's fields about texels.
 struct GlFormat {
   std::uint32_t type, type_size, format, internal_format, base_format;
 };
 
-/// As OpenGL's tables have it but for R11F_G11F_B10F, whose type and base format are the internal format: so Filament's
-/// cmgen writes it (1.9.25; before 1.8 the format too), and no other type does Filament load.
+/// Returns the format as in OpenGL's tables, except that the type and base format of R11F_G11F_B10F are the internal
+/// format: Filament's cmgen writes it so (1.9.25; before 1.8 the format too), and Filament loads no other type.
 GlFormat gl_format(TexelFormat format) {
   switch (format) {
     case TexelFormat::rgba16f: return {kHalf, 2, kRgba, kRgba16f, kRgba};
@@ -136,7 +135,7 @@ GlFormat gl_format(TexelFormat format) {
     case TexelFormat::bc6h_sfloat:
     case TexelFormat::astc_4x4_hdr:
     case TexelFormat::astc_6x6_hdr:
-    case TexelFormat::uastc_hdr_4x4: break;  // they are refused before
+    case TexelFormat::uastc_hdr_4x4: break;  // refused before
   }
   return {0, 1, 0, kBc6hSigned, kRgb};
 }
@@ -166,7 +165,7 @@ std::uint64_t write_ktx1(const TextureJob& job) {
   TexelEncoder encoder(job.options.format);
   TexelProgress progress(job);
   for (std::size_t level = 0; level < job.levels.size(); ++level) {
-    const auto face_bytes = static_cast<std::uint32_t>(job.level_bytes(level) / 6);  // of a face: this is no array
+    const auto face_bytes = static_cast<std::uint32_t>(job.level_bytes(level) / 6);  // of a face: this is not an array
     job.file.write(&face_bytes, sizeof face_bytes);
     if (blocks) {
       job.file.write(blocks->levels[level].data(), blocks->levels[level].size());

@@ -15,17 +15,17 @@
 namespace welkin::files {
 namespace {
 
-// Channel numbers of the RGBSDA colour model, and the qualifiers beside them in the upper four bits of the byte.
+// Channel numbers of the RGBSDA colour model, and the qualifiers in the upper four bits of the same byte.
 constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
 constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
 
-/// Some bits of a texel.
+/// A bit field of a texel.
 struct Sample {
   std::uint32_t first_bit;
   std::uint32_t bits;
   std::uint32_t channel;  ///< with its qualifiers
-  std::uint32_t lower;    ///< the number that stands for 0, or for -1 if signed; of an exponent its bias
-  std::uint32_t upper;    ///< the number that stands for 1; of an exponent the largest one
+  std::uint32_t lower;    ///< the number for 0, or for -1 if signed; for an exponent its bias
+  std::uint32_t upper;    ///< the number for 1; for an exponent the largest one
 };
 
 std::vector<Sample> samples_of(TexelFormat format) {
@@ -58,7 +58,7 @@ std::vector<Sample> samples_of(TexelFormat format) {
   return {};
 }
 
-/// supercompressionScheme, by the enumerators' values.
+/// supercompressionScheme, indexed by Supercompression.
 constexpr std::array kSchemes{0U, 3U, 2U};
 static_assert(kSchemes.size() == static_cast<std::size_t>(Supercompression::zstd) + 1);
 
@@ -68,10 +68,10 @@ std::optional<Supercompression> supercompression_of_ktx2(std::uint32_t scheme) n
   return static_cast<Supercompression>(found - kSchemes.begin());
 }
 
-/// The colour model of a descriptor by which loaders know that they can transcode it to BC6H.
+/// The descriptor's colour model by which loaders recognize that they can transcode a texture to BC6H.
 constexpr std::uint32_t kModelUastcHdr = 167;
 
-/// The data format descriptor with its total size in front: linear light in Rec. 709 primaries, straight alpha.
+/// Returns the data format descriptor after its total size: linear light in Rec. 709 primaries, straight alpha.
 std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   constexpr std::uint32_t version = 2;       // of Data Format 1.3
   constexpr std::uint32_t model_rgbsda = 1;  // red, green, blue, stencil, depth, alpha
@@ -94,12 +94,12 @@ std::vector<std::uint8_t> ktx2_descriptor(TexelFormat format) {
   // Texels along the edges of a block, each less one: edge x edge x 1 x 1.
   const auto last = static_cast<std::uint32_t>(block_edge(kind) - 1);
   platform::append_little_endian(bytes, last | last << 8U);
-  // Bytes of the first plane of eight, before packing: KTX 2.0.4 deprecates the 0 that earlier revisions wanted of
+  // Bytes of the first plane of eight, before packing: KTX 2.0.4 deprecates the 0 that earlier revisions required for
   // packed levels.
   platform::append_little_endian(bytes, static_cast<std::uint64_t>(texel_bytes(kind)));
   for (const Sample& sample : samples) {
     platform::append_little_endian(bytes, sample.first_bit | (sample.bits - 1) << 16U | sample.channel << 24U);
-    platform::append_little_endian(bytes, std::uint32_t{0});  // its place in the block
+    platform::append_little_endian(bytes, std::uint32_t{0});  // its position in the block
     platform::append_little_endian(bytes, sample.lower);
     platform::append_little_endian(bytes, sample.upper);
   }
@@ -202,14 +202,14 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
   file.seek(offset);
   file.read(bytes.data(), bytes.size());
   std::map<std::string, std::string> metadata;
-  for (std::size_t place = 0; place + 4 <= bytes.size();) {
+  for (std::size_t position = 0; position + 4 <= bytes.size();) {
     std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + place, sizeof length);
-    place += sizeof length;
-    if (length > bytes.size() - place) {
+    std::memcpy(&length, bytes.data() + position, sizeof length);
+    position += sizeof length;
+    if (length > bytes.size() - position) {
       refuse_texture(file, ErrorCode::corrupt_file, "its key/value data ends inside an entry");
     }
-    const std::string entry(bytes.data() + place, length);
+    const std::string entry(bytes.data() + position, length);
     const std::size_t end_of_key = entry.find('\0');
     if (end_of_key == std::string::npos) {
       refuse_texture(file, ErrorCode::corrupt_file, "its key/value data has a key without an end");
@@ -217,7 +217,7 @@ std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std
     std::string value = entry.substr(end_of_key + 1);
     if (!value.empty() && value.back() == '\0') value.pop_back();
     metadata[entry.substr(0, end_of_key)] = std::move(value);
-    place += (std::size_t{length} + 3) / 4 * 4;
+    position += (std::size_t{length} + 3) / 4 * 4;
   }
   return metadata;
 }
@@ -239,7 +239,7 @@ bool is_uastc_hdr(platform::ByteFile& file, const Header& header) {
 TextureLayout read_ktx2_layout(platform::ByteFile& file, int element) {
   const Header header = read_header(file);
   check_kind(file, header);
-  const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, and whoever loads it makes the others
+  const std::uint32_t levels = std::max(header.levels, 1U);  // 0: one, from which the loading program makes the others
   TextureLayout layout;
   layout.container = FileFormat::ktx2;
   layout.kind = *kind_with(&KindTraits::vulkan, header.format);
@@ -301,56 +301,56 @@ struct LevelRange {
   std::uint64_t unpacked = 0;
 };
 
-/// Of level 0.
+/// The shape of level 0.
 struct Shape {
   int width;
   int height;
   std::uint32_t faces;
-  std::uint32_t depth = 0;   ///< slices of a volume; 0: it is none
-  std::uint32_t layers = 0;  ///< of an array; 0: it is none
+  std::uint32_t depth = 0;   ///< slices of a volume; 0: not a volume
+  std::uint32_t layers = 0;  ///< of an array; 0: not an array
 };
 
 Bytes header_bytes(const Shape& shape, const TextureOptions& options, const Bytes& metadata,
-                   const std::vector<LevelRange>& places) {
+                   const std::vector<LevelRange>& ranges) {
   const TexelKind kind = kind_of(options.format);
   const Bytes descriptor = ktx2_descriptor(options.format);
-  const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * places.size());
+  const auto descriptor_offset = static_cast<std::uint32_t>(kKtx2HeaderBytes + kKtx2LevelIndexBytes * ranges.size());
   const auto descriptor_size = static_cast<std::uint32_t>(descriptor.size());
   Bytes bytes(kKtx2Identifier.begin(), kKtx2Identifier.end());
   for (const std::uint32_t field :
        {traits(kind).vulkan, traits(kind).unit, static_cast<std::uint32_t>(shape.width),
         static_cast<std::uint32_t>(shape.height), shape.depth, shape.layers, shape.faces,
-        static_cast<std::uint32_t>(places.size()), kSchemes[static_cast<std::size_t>(options.supercompression)],
+        static_cast<std::uint32_t>(ranges.size()), kSchemes[static_cast<std::size_t>(options.supercompression)],
         descriptor_offset, descriptor_size, descriptor_offset + descriptor_size,
         static_cast<std::uint32_t>(metadata.size())}) {
     platform::append_little_endian(bytes, field);
   }
   platform::append_little_endian(bytes, std::uint64_t{0});  // no supercompression global data: offset and bytes
   platform::append_little_endian(bytes, std::uint64_t{0});
-  for (const LevelRange& place : places) {
-    platform::append_little_endian(bytes, place.offset);
-    platform::append_little_endian(bytes, place.bytes);
-    platform::append_little_endian(bytes, place.unpacked);
+  for (const LevelRange& range : ranges) {
+    platform::append_little_endian(bytes, range.offset);
+    platform::append_little_endian(bytes, range.bytes);
+    platform::append_little_endian(bytes, range.unpacked);
   }
   bytes.insert(bytes.end(), descriptor.begin(), descriptor.end());
   bytes.insert(bytes.end(), metadata.begin(), metadata.end());
   return bytes;
 }
 
-/// Sets the offsets, the smallest level first, and writes all that stands before the levels. Unpacked levels start at
-/// multiples of a texel or block (all of ours are multiples of 4 bytes, so that this is also the least common multiple
+/// Sets the offsets, the smallest level first, and writes everything before the levels. Unpacked levels start at
+/// multiples of a texel or block (ours are all multiples of 4 bytes, so that this is also the lowest common multiple
 /// with 4).
 void write_header(platform::WholeFile& file, const Shape& shape, const TextureOptions& options,
-                  std::vector<LevelRange>& places) {
+                  std::vector<LevelRange>& ranges) {
   const Bytes metadata = key_values(file, options, shape.depth > 0);
   const std::uint64_t alignment =
       options.supercompression == Supercompression::none ? texel_bytes(kind_of(options.format)) : 1;
-  std::uint64_t end = header_bytes(shape, options, metadata, places).size();
-  for (auto place = places.rbegin(); place != places.rend(); ++place) {
-    place->offset = (end + alignment - 1) / alignment * alignment;
-    end = place->offset + place->bytes;
+  std::uint64_t end = header_bytes(shape, options, metadata, ranges).size();
+  for (auto range = ranges.rbegin(); range != ranges.rend(); ++range) {
+    range->offset = (end + alignment - 1) / alignment * alignment;
+    end = range->offset + range->bytes;
   }
-  const Bytes header = header_bytes(shape, options, metadata, places);
+  const Bytes header = header_bytes(shape, options, metadata, ranges);
   file.write(header.data(), header.size());
 }
 
@@ -379,7 +379,7 @@ PackedLevel pack_level(const TextureJob& job, std::size_t level, const Bytes* bl
   return {pack(job.options.supercompression, texels, job.control.stop), encoder.clamped()};
 }
 
-/// Levels are packed side by side: the largest takes three quarters of the time, whatever is done.
+/// Packs levels concurrently: the largest takes three quarters of the time in any case.
 std::vector<PackedLevel> pack_levels(const TextureJob& job, const std::optional<BlockLevels>& blocks) {
   std::vector<PackedLevel> levels(job.levels.size());
   const jobs::Placement placement = jobs::placement_for(image::texels_of(job.levels.front()));
@@ -398,19 +398,19 @@ std::uint64_t write_ktx2(const TextureJob& job) {
   const std::optional<BlockLevels> blocks = compressed(job);
   const std::vector<PackedLevel> levels = packed ? pack_levels(job, blocks) : std::vector<PackedLevel>{};
 
-  std::vector<LevelRange> places;
+  std::vector<LevelRange> ranges;
   for (std::size_t level = 0; level < job.levels.size(); ++level) {
     const std::uint64_t unpacked = job.level_bytes(level);
-    places.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
+    ranges.push_back({0, packed ? levels[level].bytes.size() : unpacked, unpacked});
   }
   const LatLongView& first = job.levels.front().front();
-  write_header(job.file, {first.width, first.height, static_cast<std::uint32_t>(job.faces())}, options, places);
+  write_header(job.file, {first.width, first.height, static_cast<std::uint32_t>(job.faces())}, options, ranges);
 
   TexelEncoder encoder(options.format);
   TexelProgress progress(job);
   std::uint64_t clamped = blocks ? blocks->values_clamped : 0;
   for (std::size_t level = job.levels.size(); level-- > 0;) {
-    write_padding(job.file, places[level].offset);
+    write_padding(job.file, ranges[level].offset);
     if (packed) {
       job.file.write(levels[level].bytes.data(), levels[level].bytes.size());
       clamped += levels[level].clamped;
@@ -427,10 +427,10 @@ void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata) {
   const auto deep = static_cast<std::uint32_t>(volume.size[2]);
   const std::span<const std::uint16_t> halves = volume.halves;
-  std::vector<LevelRange> places{{0, halves.size_bytes(), halves.size_bytes()}};
+  std::vector<LevelRange> ranges{{0, halves.size_bytes(), halves.size_bytes()}};
   write_header(file, {volume.size[0], volume.size[1], 1, volume.is_array ? 0 : deep, volume.is_array ? deep : 0},
-               {.metadata = metadata}, places);
-  write_padding(file, places[0].offset);
+               {.metadata = metadata}, ranges);
+  write_padding(file, ranges[0].offset);
   file.write(halves.data(), halves.size_bytes());
 }
 

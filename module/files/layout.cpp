@@ -13,7 +13,7 @@
 namespace welkin::files {
 namespace {
 
-// Layouts that a shape tells, and how each is called in messages.
+// Layouts that a shape determines, and their names in messages.
 struct CubeShape {
   Layout layout;
   const char* ratio;
@@ -157,10 +157,10 @@ RowSegments row_segments(const CubePlacement& placement, int size, int image_row
   const int row = image_row % size;
   for (int column = 0; column < placement.columns; ++column) {
     for (std::size_t face = 0; face < placement.faces.size(); ++face) {
-      const FacePlacement& place = placement.faces[face];
-      if (place.row != row_of_faces || place.column != column) continue;
-      const int face_row = place.mirrored_rows ? size - 1 - row : row;
-      found.segments[found.count++] = {static_cast<int>(face), face_row, column * size, place.mirrored_columns};
+      const FacePlacement& position = placement.faces[face];
+      if (position.row != row_of_faces || position.column != column) continue;
+      const int face_row = position.mirrored_rows ? size - 1 - row : row;
+      found.segments[found.count++] = {static_cast<int>(face), face_row, column * size, position.mirrored_columns};
     }
   }
   return found;
@@ -222,7 +222,7 @@ void settle_cube(EnvironmentInfo& info, int size, int levels, const ReadOptions&
 namespace welkin {
 namespace {
 
-// By the enumerators' values.
+// Indexed by Layout.
 constexpr std::array kLayouts{"automatic",        "lat-long",       "vertical-strip", "horizontal-strip",
                               "horizontal-cross", "vertical-cross", "six-files"};
 constexpr std::array kFormats{"OpenEXR", "Radiance", "PFM", "PNG", "KTX2", "DDS", "Babylon.js .env", "KTX", "JPEG"};

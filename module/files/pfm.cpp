@@ -1,4 +1,4 @@
-// PFM: little-endian floats, rows from bottom to top. Every value stays what it is.
+// PFM: little-endian floats, rows from bottom to top. Values are not changed.
 #include "files/pfm.h"
 
 #include <algorithm>
@@ -18,13 +18,13 @@
 namespace welkin::files {
 namespace {
 
-// Longer than any number that a sound header holds; a file without white space is not searched to its end.
+// Longer than any number in a valid header; a file without white space is not searched to its end.
 constexpr std::size_t kLongestToken = 32;
 constexpr int kLongestGap = 256;
 
 struct PfmImage {
   bool grey = false;
-  bool swapped = false;  // the file's byte order is not the machine's
+  bool swapped = false;  // the file's byte order differs from the machine's
   std::uint64_t first_byte = 0;
 
   [[nodiscard]] int channels() const { return grey ? 1 : 3; }
@@ -36,7 +36,7 @@ bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; 
   throw platform::file_error(ErrorCode::corrupt_file, file.path(), what);
 }
 
-// The next token, and the one white space that ends it: the pixels may follow at once.
+// Reads the next token, and the one white space that ends it: the pixels may follow directly.
 std::string read_token(platform::ByteFile& file, const char* what) {
   std::string token;
   char c = ' ';
@@ -90,8 +90,8 @@ bool read_is_little_endian(platform::ByteFile& file) {
   return scale < 0.0;
 }
 
-// A header whose lines end with "\r\n": its last '\n' would be taken for the first byte of the pixels, all of which
-// would then be read a byte off. Where the file's length leaves room for just that byte, it is the header's.
+// Skips a '\n' after a header whose lines end with "\r\n": it would be taken for the first byte of the pixels, all of
+// which would then be read a byte off. If the file's length allows exactly that byte, it is the header's.
 void pass_second_line_end(platform::ByteFile& file, std::uint64_t pixel_bytes) {
   if (file.remaining() != pixel_bytes + 1) return;
   const std::uint64_t first_byte = file.position();
@@ -115,15 +115,15 @@ class PfmReader final : public RowReader {
   PfmReader(const FileInput& input, const PfmImage& image, int width, int height)
       : image_(image), width_(static_cast<std::size_t>(width)), height_(height), file_(open_file(input)) {}
 
-  // Rows lie in the file from bottom to top: the last one that is asked for comes first.
+  // Rows lie in the file from bottom to top: the last requested row comes first.
   void read(int first_row, int row_count, float* rgb) override {
     const std::size_t stored = width_ * static_cast<std::size_t>(image_.channels());
     const auto rows_before = static_cast<std::uint64_t>(height_ - first_row - row_count);
     file_.seek(image_.first_byte + rows_before * stored * sizeof(float));
     for (int row = row_count - 1; row >= 0; --row) {
       float* texels = rgb + static_cast<std::size_t>(row) * width_ * 3;
-      // A grey row is read into the last third of its place and spread from the left: no value is
-      // overwritten before it was used.
+      // A grey row is read into the last third of its memory and spread from the left: no value is overwritten before
+      // it was used.
       float* values = image_.grey ? texels + 2 * width_ : texels;
       file_.read(values, stored * sizeof(float));
       if (image_.swapped) {

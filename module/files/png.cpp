@@ -1,4 +1,4 @@
-// PNG through libspng: images that are written (as sRGB, 8 or 16 bits a channel, no alpha), and the small images of
+// PNG through libspng: images that are written (as sRGB, 8 or 16 bits per channel, no alpha), and the small images of
 // .env files.
 #include "files/png.h"
 
@@ -22,8 +22,8 @@
 namespace welkin::files {
 namespace {
 
-/// Encodes to the code whose light is nearest in the encoded scale: where the curve passes half a code, the next one
-/// begins. A table of those places makes it exact, and the same on every machine.
+/// Encodes to the code whose light is nearest in the encoded scale: the next code begins where the curve passes half a
+/// code. A table of these thresholds makes it exact, and the same on every machine.
 class SrgbEncoder {
  public:
   explicit SrgbEncoder(int largest_code) : thresholds_(static_cast<std::size_t>(largest_code)) {
@@ -32,7 +32,7 @@ class SrgbEncoder {
     }
   }
 
-  /// NaN becomes 0.
+  /// Encodes a value. NaN becomes 0.
   [[nodiscard]] unsigned encode(float value, std::uint64_t& clamped) const {
     if (!(value >= 0.0F && value <= 1.0F)) ++clamped;
     const double light = value > 0.0F ? static_cast<double>(value) : 0.0;
@@ -43,7 +43,7 @@ class SrgbEncoder {
   std::vector<double> thresholds_;
 };
 
-/// What libspng calls to write; exceptions must not pass through its C code.
+/// The target of libspng's write callback; exceptions must not pass through its C code.
 struct Sink {
   platform::WholeFile& file;
   std::exception_ptr failure;
@@ -60,7 +60,7 @@ int write_bytes(spng_ctx* /*context*/, void* user, void* bytes, std::size_t coun
   }
 }
 
-/// One filter for all rows, and of deflate only the search for runs (zlib's Z_RLE). Returns libspng's result.
+/// Selects one filter for all rows, and only deflate's search for runs (zlib's Z_RLE). Returns libspng's result.
 int choose_speed(spng_ctx* context, spng_filter_choice filter) {
   constexpr int kRuns = 3;
   for (const auto& [option, value] : {std::pair<spng_option, int>{SPNG_FILTER_CHOICE, filter},
@@ -72,12 +72,12 @@ int choose_speed(spng_ctx* context, spng_filter_choice filter) {
   return SPNG_OK;
 }
 
-/// What a PNG is to be.
+/// The form of a PNG to write.
 struct PngShape {
   int width;
   int height;
   int bits = 8;
-  spng_color_type colour = SPNG_COLOR_TYPE_TRUECOLOR;  ///< without alpha it says that it is sRGB
+  spng_color_type colour = SPNG_COLOR_TYPE_TRUECOLOR;  ///< without alpha the file states sRGB
   std::optional<spng_filter_choice> quick{};           ///< encoded in a fraction of the time, with this filter
 };
 
@@ -129,7 +129,7 @@ std::uint64_t write_png(const OutputImage& image, const WriteJob& job) {
   const std::size_t values = std::size_t{3} * static_cast<std::size_t>(image.width());
   std::vector<float> rgb(values);
   std::vector<std::uint8_t> bytes(bits == 16 ? 0 : values);
-  std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng takes them
+  std::vector<std::uint16_t> words(bits == 16 ? values : 0);  // in the machine's byte order, as libspng expects
   for (int row = 0; row < image.height(); ++row) {
     report_rows(job, row, image.height());
     image.read_row(row, rgb.data());
@@ -159,8 +159,8 @@ void write_png_quickly(platform::WholeFile& file, const std::vector<std::uint8_t
 std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba, int size, const stop_token& stop) {
   std::vector<std::byte> png;
   platform::WholeFile file("an image of an .env file", &png);
-  // Over RGBD of a photograph: a ninth of the time of libspng's own choice of filters and zlib's level 6, and 4 % more
-  // bytes; Sub for Paeth would make it 10 %.
+  // For RGBD of a photograph: a ninth of the time of libspng's choice of filters and zlib's level 6, and 4 % more
+  // bytes; Sub instead of Paeth would make it 10 %.
   PngEncoder encoder(file, {size, size, 8, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, SPNG_FILTER_CHOICE_PAETH});
   const std::size_t row_bytes = std::size_t{4} * static_cast<std::size_t>(size);
   for (int row = 0; row < size; ++row) {
@@ -174,7 +174,7 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba,
 }
 
 void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop) {
-  // Texts and profiles beside the pixels, which nobody here wants; beyond it the image is refused.
+  // Bounds chunks next to the pixels, such as texts and profiles, which are unused; a larger one is refused.
   constexpr std::size_t kMaxOfAChunk = std::size_t{1} << 20U;
   const auto require = [&image](int result) {
     if (result == SPNG_OK) return;

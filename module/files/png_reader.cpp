@@ -37,12 +37,12 @@ std::uint64_t big_endian(const char* bytes) {
   return value;
 }
 
-// A type whose first letter is upper case is critical: to be understood or to be refused, by the decoder.
+// A type whose first letter is upper case is critical: the decoder must support or refuse it.
 bool is_wanted(std::string_view type) {
   return (static_cast<unsigned char>(type[0]) & 0x20U) == 0 || type == "gAMA" || type == "sRGB" || type == "cHRM";
 }
 
-// Seeking costs a call to the system; over a few bytes it is cheaper to read.
+// Skips bytes. Seeking costs a system call; reading a few bytes is cheaper.
 void pass_over(platform::ByteFile& file, std::uint64_t count) {
   std::array<char, 512> bytes{};
   if (count <= bytes.size() && count <= file.remaining()) {
@@ -52,15 +52,14 @@ void pass_over(platform::ByteFile& file, std::uint64_t count) {
   }
 }
 
-/// Hands out signature and chunks as they stand in the file, but passes over ancillary chunks other than gAMA, sRGB
-/// and cHRM. Texts, profiles and previews can be megabytes, and a decoder that would keep them, or trip over a badly
-/// made one, never sees them. A PNG's chunk is a length, a type, that many bytes, and a checksum.
-/// (PNG specification, third edition, 5.3.)
+/// The file's signature and chunks, without ancillary chunks other than gAMA, sRGB and cHRM. Texts, profiles and
+/// previews can be megabytes; a decoder that would keep them, or fail on a malformed one, never sees them. A PNG's
+/// chunk is a length, a type, that many bytes, and a checksum. (PNG specification, third edition, 5.3.)
 class PngStream {
  public:
   explicit PngStream(const FileInput& input) : file_(open_file(input)) {}
 
-  /// The next `count` bytes. Throws as `ByteFile::read`.
+  /// Reads the next `count` bytes. Throws the errors of `ByteFile::read`.
   void read(void* bytes, std::size_t count) {
     auto* to = static_cast<char*>(bytes);
     while (count > 0) {
@@ -83,7 +82,7 @@ class PngStream {
 
   [[nodiscard]] const platform::ByteFile& file() const noexcept { return file_; }
 
-  // True once such a chunk was skipped, which deserves a note.
+  // Return true once such a chunk was skipped, which is noted.
   [[nodiscard]] bool has_profile() const noexcept { return has_profile_; }            ///< iCCP
   [[nodiscard]] bool has_transparency() const noexcept { return has_transparency_; }  ///< tRNS
   [[nodiscard]] bool has_code_points() const noexcept { return has_code_points_; }    ///< cICP
@@ -111,8 +110,8 @@ class PngStream {
 
   platform::ByteFile file_;
   std::array<char, 8> start_{};  // signature, or a chunk's length and type
-  std::size_t start_used_ = 8;   // of `start_`: bytes that were handed out
-  std::uint64_t body_left_ = 0;  // bytes and checksum of the chunk that is handed out
+  std::size_t start_used_ = 8;   // bytes of `start_` that were read
+  std::uint64_t body_left_ = 0;  // bytes and checksum of the current chunk
   bool signature_is_out_ = false;
   bool has_profile_ = false, has_transparency_ = false, has_code_points_ = false;
 };
@@ -122,7 +121,7 @@ class PngStream {
 struct PngHeader {
   int width = 0;
   int height = 0;
-  int bits = 8;  ///< of a sample in the file: 1, 2, 4, 8 or 16
+  int bits = 8;  ///< per sample in the file: 1, 2, 4, 8 or 16
   bool grey = false;
   bool palette = false;
   bool alpha = false;  ///< as a channel, or as the transparent colours of a tRNS chunk
@@ -151,14 +150,13 @@ class PngDecoder {
     read_header();
   }
 
-  PngDecoder(const PngDecoder&) = delete;  // libspng knows where this is
+  PngDecoder(const PngDecoder&) = delete;  // libspng holds a pointer to this
   PngDecoder& operator=(const PngDecoder&) = delete;
 
   [[nodiscard]] const PngHeader& header() const noexcept { return header_; }
 
-  /// The next row, from the top, to `header().row_bytes()` bytes. Not for an interlaced image. With the last one
-  /// the file is read to its end, so that its checksums are known to be right.
-  /// Throws `Error`: corrupt_file, file_access.
+  /// Decodes the next row, from the top, to `header().row_bytes()` bytes. Not for an interlaced image. With the last
+  /// row the file is read to its end, which verifies its checksums. Throws `Error`: corrupt_file, file_access.
   void decode_row(void* row) {
     if (next_row_ == 0) {
       check(spng_decode_image(context_.get(), nullptr, 0, format(), SPNG_DECODE_PROGRESSIVE));
@@ -172,7 +170,7 @@ class PngDecoder {
     }
   }
 
-  /// All rows at once, of any image; called once, and instead of `decode_row`. Throws as it does.
+  /// Decodes all rows of any image at once; called once, and instead of `decode_row`. Throws the same errors.
   void decode_all(void* rows) {
     const std::size_t bytes = header_.row_bytes() * static_cast<std::size_t>(header_.height);
     check(spng_decode_image(context_.get(), rows, bytes, format(), 0));
@@ -184,7 +182,7 @@ class PngDecoder {
     void operator()(spng_ctx* context) const noexcept { spng_ctx_free(context); }
   };
 
-  // Called by a library that knows no exceptions: one that comes up is kept until `check`.
+  // Called by a library without exceptions: a thrown one is kept until `check`.
   static int read_stream(spng_ctx* /*context*/, void* decoder, void* bytes, std::size_t count) noexcept {
     auto* self = static_cast<PngDecoder*>(decoder);
     try {
@@ -206,12 +204,12 @@ class PngDecoder {
     if (result == SPNG_EMEM) {
       throw std::bad_alloc();
     }
-    // libspng looks a row ahead.
-    const std::string place =
+    // libspng reads a row ahead.
+    const std::string where =
         next_row_ > 0 ? "near row " + std::to_string(next_row_) + " of " + std::to_string(header_.height) + ", " : "";
     const platform::ByteFile& file = stream_.file();
     throw platform::file_error(ErrorCode::corrupt_file, file.path(),
-                               "is a damaged PNG: " + place + "at byte " + std::to_string(file.position()) +
+                               "is a damaged PNG: " + where + "at byte " + std::to_string(file.position()) +
                                    ", libspng says \"" + spng_strerror(result) + "\"; fetch or export it again");
   }
 
@@ -225,7 +223,7 @@ class PngDecoder {
                                      " texels are more than " + std::to_string(kMaximumWidth) + " x " +
                                      std::to_string(kMaximumHeight) + "; reduce the image first");
     }
-    // Reads to the first pixels; only now are the flags of the stream those of the whole header.
+    // Reads to the first pixels; only then are the flags of the stream those of the whole header.
     check(spng_decode_chunks(context_.get()));
     header_.width = static_cast<int>(basic.width);
     header_.height = static_cast<int>(basic.height);
@@ -261,10 +259,10 @@ class PngDecoder {
   int next_row_ = 0;
 };
 
-// From samples to RGB floats.
+// Conversion of samples to RGB floats.
 
 /// A sample of n bits is sample / (2^n - 1), through sRGB's curve or not, rounded once to float: a table of 256 or
-/// 65536, made here and the same everywhere.
+/// 65536 values, computed here and the same on every machine.
 class PngSamples {
  public:
   /// `sixteen_bits`: RGBA of 16 bits in the machine's byte order; else RGB of 8. `transfer` is srgb or linear. Texels
@@ -301,7 +299,7 @@ class PngSamples {
   std::optional<glm::dmat3> matrix_;
 };
 
-// Memory of libspng and zlib without rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's own.
+// Memory of libspng and zlib without rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's.
 constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
 class PngReader final : public SequentialReader {
@@ -323,7 +321,7 @@ class PngReader final : public SequentialReader {
  private:
   void restart() override { open(); }
 
-  // If the file is another one by now, its rows may not fit where they would go.
+  // If the file was replaced meanwhile, its rows may not fit their memory.
   void open() {
     decoder_ = std::make_unique<PngDecoder>(input_);
     const PngHeader& found = decoder_->header();
@@ -338,7 +336,7 @@ class PngReader final : public SequentialReader {
     if (rgb != nullptr) samples_.convert(coded_.get(), static_cast<std::size_t>(header_.width), rgb);
   }
 
-  const FileInput& input_;  // the source's
+  const FileInput& input_;  // of the source
   const PngHeader& header_;
   const PngSamples& samples_;
   std::unique_ptr<PngDecoder> decoder_;
@@ -379,7 +377,7 @@ bool says_linear(const PngHeader& header) {
   return header.gamma && !header.says_srgb && std::abs(*header.gamma - 1.0) < 0.01;
 }
 
-// What the samples mean, and a note of what told it.
+// Decides the transfer function of the samples, and notes the reason.
 Transfer decide_transfer(const PngHeader& header, Transfer asked_for, EnvironmentInfo& info) {
   if (header.has_code_points) {
     info.notes.emplace_back("its cICP chunk (video colour) is not applied");
@@ -407,7 +405,7 @@ Transfer decide_transfer(const PngHeader& header, Transfer asked_for, Environmen
   return Transfer::srgb;
 }
 
-// deflate makes at best 1032 bytes of one (zlib's technical notes).
+// deflate yields at most 1032 bytes per byte (zlib's technical notes).
 void require_plausible_size(const platform::ByteFile& file, const PngHeader& header) {
   const std::uint64_t samples = header.palette || header.grey ? 1 : 3;
   const std::uint64_t bits = samples * static_cast<std::uint64_t>(header.bits) *

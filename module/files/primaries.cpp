@@ -45,13 +45,13 @@ bool is_close(const glm::dvec2& a, const glm::dvec2& b) noexcept {
 
 glm::dvec3 with_z(const glm::dvec2& xy) noexcept { return {xy.x, xy.y, 1.0 - xy.x - xy.y}; }
 
-// Coordinates of no colour, real or made up, are that large.
+// Returns false for coordinates so large that no colour, real or imaginary, has them.
 bool is_sound(const glm::dvec2& xy) noexcept {
   constexpr double kLargestCoordinate = 100.0;
   return std::abs(xy.x) <= kLargestCoordinate && std::abs(xy.y) <= kLargestCoordinate;  // false for NaN
 }
 
-// The matrix that takes `from` to `to` by scaling the three Bradford responses.
+// Returns the matrix that maps `from` to `to` by scaling the three Bradford responses.
 std::optional<glm::dmat3> adaptation(const glm::dvec2& from, const glm::dvec2& to) noexcept {
   if (!is_sound(from) || from.y < kSmallestWhite) {
     return std::nullopt;
@@ -74,7 +74,7 @@ bool nearly_same(const Chromaticities& a, const Chromaticities& b) noexcept {
   return is_close(a.red, b.red) && is_close(a.green, b.green) && is_close(a.blue, b.blue) && is_close(a.white, b.white);
 }
 
-// The columns are the primaries' x, y, z, each times the share that lets them add up to the white.
+// The columns are the primaries' x, y, z, each times the factor with which they add up to the white.
 std::optional<glm::dmat3> rgb_to_xyz(const Chromaticities& primaries) noexcept {
   if (!is_sound(primaries.red) || !is_sound(primaries.green) || !is_sound(primaries.blue) ||
       !is_sound(primaries.white) || primaries.white.y < kSmallestWhite) {
@@ -88,7 +88,7 @@ std::optional<glm::dmat3> rgb_to_xyz(const Chromaticities& primaries) noexcept {
   glm::dmat3 matrix;
   for (int column = 0; column < 3; ++column) {
     if (std::abs(shares[column]) < kSmallestWhite) {
-      return std::nullopt;  // a primary that is not needed for the white makes no channel
+      return std::nullopt;  // a primary that the white does not need is no channel
     }
     matrix[column] = corners[column] * shares[column];
   }
@@ -127,12 +127,12 @@ std::string describe(const Chromaticities& primaries) {
   if (known != kNamed.end()) {
     return known->name;
   }
-  const auto place = [](const char* name, const auto& point) {
+  const auto described = [](const char* name, const auto& point) {
     const auto text = [](double number) { return platform::number_text(number, std::chars_format::general, 4); };
     return std::string(name) + " (" + text(point.x) + ' ' + text(point.y) + ')';
   };
-  return place("red", primaries.red) + place(" green", primaries.green) + place(" blue", primaries.blue) +
-         place(" white", primaries.white);
+  return described("red", primaries.red) + described(" green", primaries.green) + described(" blue", primaries.blue) +
+         described(" white", primaries.white);
 }
 
 std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where, Primaries wanted,

@@ -1,4 +1,4 @@
-// Grids of probes from files of captures, and to files with a description in JSON and back.
+// Grids of probes from files of captures, and files with a description in JSON, written and read.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -39,7 +39,7 @@ class Captured {
  public:
   Captured(std::span<const FileInput> cubes, std::span<const FileInput> depths, const Control& control)
       : chains_(cubes.size()), distances_(depths.size()), cubes_(cubes.size()), depths_(depths.size()) {
-    // Files are some hundred KB; what a thread waits for is the disk.
+    // Files have some hundred KB; threads mostly wait for the disk.
     jobs::run_tiles(cubes.size(), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {control.stop},
                     [&](std::size_t k, std::size_t /*worker*/) {
                       const jobs::OneThread alone;
@@ -104,10 +104,10 @@ void require_files(const ProbeGrid& grid, std::span<const FileInput> cubes, std:
 
 // ---- The file of arrays
 
-using Shape = std::vector<std::size_t>;  ///< of an array's values, of which a `dvec3` is one
+using Shape = std::vector<std::size_t>;  ///< of an array's values, where a `dvec3` counts as one
 
-/// One list for both ways: the arrays' names, types of numbers, values and shapes, in the file's order, and whether a
-/// file may lack it. Probes: BakedProbes or const BakedProbes.
+/// One list for reading and writing: the arrays' names, types of numbers, values and shapes, in the file's order, and
+/// whether a file may lack one. Probes: BakedProbes or const BakedProbes.
 template <class Probes, class Use>
 void for_each_array(Probes& probes, const Use& use) {
   const std::size_t count = probes.grid.size();
@@ -155,14 +155,14 @@ Json description_of(const BakedProbes& probes) {
           {"unfilled", probes.unfilled}};
 }
 
-/// The box that a grid's cells fill, half a cell around its outermost probes, as engines place a volume.
+/// Returns the box that a grid's cells fill, half a cell around its outermost probes, as engines place a volume.
 Json box_of(const ProbeGrid& grid) {
   const dvec3 counts(grid.counts[0], grid.counts[1], grid.counts[2]);
   return {{"centre", three_numbers(grid.origin + 0.5 * (counts - 1.0) * grid.spacing)},
           {"size", three_numbers(counts * grid.spacing)}};
 }
 
-/// A scene of three.js, as `Object3D.toJSON` writes it and ObjectLoader reads it: a group of LightProbes.
+/// Returns a scene of three.js, in the format of `Object3D.toJSON` and ObjectLoader: a group of LightProbes.
 Json three_scene(const BakedProbes& probes, const std::string& texture) {
   const Json box = box_of(probes.grid);
   Json children = Json::array();
@@ -249,7 +249,7 @@ BakedProbes bake_probe_files(const ProbeGrid& grid, std::span<const FileInput> c
     };
     const Captured captured(cubes.subspan(first, count), depths.empty() ? depths : depths.subspan(first, count),
                             control);
-    // In a row: what a probe is does not depend on where it stands.
+    // In a row: a probe's result does not depend on its position.
     const ProbeGrid row{.counts = {static_cast<int>(count), 1, 1}, .spacing = grid.spacing};
     try {
       append(probes, bake_probes(row, captured.cubes(), captured.depths(), of_part,
@@ -293,7 +293,7 @@ WriteReport write_probes(const std::filesystem::path& path, const BakedProbes& p
 
 namespace {
 
-using ParsedJson = nlohmann::json;  // finds a name at once; the ordered one looks through all of them
+using ParsedJson = nlohmann::json;  // finds a name directly; the ordered one searches all names
 using platform::ByteFile;
 using platform::file_error;
 
@@ -301,7 +301,7 @@ constexpr std::uint64_t kLongestText = std::uint64_t{1} << 20U;
 constexpr int kDeepestNesting = 8;
 constexpr double kLargestExact = 9007199254740992.0;  // 2^53
 
-/// The description and the name that messages give it.
+/// The description, and its name in messages.
 class Description {
  public:
   explicit Description(const FileInput& input) : path_(input.path()) {
@@ -340,7 +340,7 @@ class Description {
     if (!value.is_number()) refuse(std::string("has a \"") + key + "\" that is not a number");
     return value.get<double>();
   }
-  /// From 0 to 2^53.
+  /// Reads an integer from 0 to 2^53.
   [[nodiscard]] std::uint64_t whole(const ParsedJson& value, const char* key) const {
     const double found = number(value, key);
     if (!(found >= 0.0 && found <= kLargestExact) || found != std::floor(found)) {
@@ -348,7 +348,7 @@ class Description {
     }
     return static_cast<std::uint64_t>(found);
   }
-  /// That many, at most.
+  /// Reads an integer of at most `most`.
   [[nodiscard]] int small(const char* key, int most) const {
     const std::uint64_t found = whole(at(key), key);
     if (found > static_cast<std::uint64_t>(most)) {
@@ -385,7 +385,7 @@ class Description {
     return grid;
   }
 
-  /// The entry of an array; nothing if there is none of that name.
+  /// Returns the entry of an array; null if there is none of that name.
   [[nodiscard]] const ParsedJson* entry(const char* name) const {
     const ParsedJson& entries = at(at("arrays"), "entries");
     if (!entries.is_array()) refuse("has \"entries\" that are no list");
@@ -400,7 +400,7 @@ class Description {
   ParsedJson json_;
 };
 
-/// Reads the arrays, of which each must have the size that grid, bands and sizes give it.
+/// Reads the arrays, each of which must have the size that follows from grid, bands and sizes.
 class Arrays {
  public:
   Arrays(const Description& description, const FileInput& file)
@@ -422,7 +422,7 @@ class Arrays {
                           std::to_string(std::uint64_t{count} * sizeof(Value)));
     }
     const std::uint64_t offset = description_.whole(description_.at(*entry, "offset"), "offset");
-    if (offset > file_.size() || bytes > file_.size() - offset) {  // before memory is taken
+    if (offset > file_.size() || bytes > file_.size() - offset) {  // before memory is allocated
       throw file_error(ErrorCode::corrupt_file, file_.path(),
                        "has " + std::to_string(file_.size()) + " bytes and ends before " + called + "does");
     }
@@ -441,7 +441,7 @@ FileInput arrays_of(const Description& description, const FileInput& input) {
     throw Error(ErrorCode::invalid_argument, "read_probes: the description is in memory; pass the file of arrays too");
   }
   const std::filesystem::path named = platform::path_of(description.text(description.at("arrays"), "file"));
-  // A name beside the description, and no way to other files.
+  // A name in the description's folder, and no path to other folders.
   if (named.empty() || named != named.filename() || named == "." || named == "..") {
     description.refuse("names a file of arrays in another folder");
   }

@@ -31,7 +31,7 @@ std::string storage_text(const EnvironmentInfo& info) {
   return info.format_description() + ", " + info.storage + ", " + info.compression;
 }
 
-// What the projection has to say comes behind what the file's side did.
+// Puts the passes of reading the file before those of the projection.
 void put_first(Projection& projection, std::vector<PassRecord> passes) {
   std::vector<PassRecord>& all = projection.diagnostics.passes;
   all.insert(all.begin(), passes.begin(), passes.end());
@@ -51,14 +51,13 @@ Projection project_cube(const RowSource& source, const ReadOptions& read_options
   return projection;
 }
 
-// Rows that are decoded and projected together: whole blocks of the projector, at least as many rows as
-// decode together, and if some multiple up to a few times as many suits both, that one, so that no row is
-// decoded twice.
+// Returns the rows to decode and project together: whole blocks of the projector, at least as many rows as decode
+// together. A multiple of both is used if it is at most a few times as large, so that no row is decoded twice.
 int group_rows(int block_rows, int natural_rows) {
   constexpr int kMaxTimes = 4;
-  const int least = (natural_rows + block_rows - 1) / block_rows * block_rows;
+  const int minimum = (natural_rows + block_rows - 1) / block_rows * block_rows;
   const std::int64_t common = std::lcm(std::int64_t{block_rows}, std::int64_t{natural_rows});
-  return common <= std::int64_t{kMaxTimes} * least ? static_cast<int>(common) : least;
+  return common <= std::int64_t{kMaxTimes} * minimum ? static_cast<int>(common) : minimum;
 }
 
 void project_rows(projection::LatLongProjector& projector, const RowGroup& group, int width) {
@@ -94,25 +93,25 @@ Projection project_lat_long(const RowSource& source, const ReadOptions& read_opt
   return projection;
 }
 
-// The size that is compared with a target: a face's edge, or a lat-long's width; 0 if a level has not the shape of
-// its layout (three texels by eighteen become one by nine).
+// Returns the size to compare with a target: a face's edge, or a lat-long's width; 0 if a level does not have its
+// layout's shape (three texels by eighteen become one by nine).
 int size_of(const EnvironmentInfo& info, const LevelInfo& level) {
   return info.layout == Layout::lat_long ? level.width : face_size(info.layout, level.width, level.height);
 }
 
-// The error of a level's projection against the full size, and its own.
+// Returns the error of a level's projection against the full size, combined with the projection's estimate.
 double level_error(const Projection& projection, const EnvironmentInfo& level) {
   const double size = level.layout == Layout::lat_long ? std::min(level.width / 4.0, level.height / 2.0)
                                                        : face_size(level.layout, level.width, level.height);
-  const double own = projection.diagnostics.error_estimate;
+  const double of_projection = projection.diagnostics.error_estimate;
   const double of_mip = projection::mip_error(projection.radiance.coefficients(), size);
-  return std::sqrt(own * own + of_mip * of_mip);
+  return std::sqrt(of_projection * of_projection + of_mip * of_mip);
 }
 
 Projection project_level(const FileInput& input, const EnvironmentInfo& full, int level, ReadOptions read_options,
                          ProjectionOptions options, const Control& control) {
   read_options.level = level;
-  read_options.layout = full.layout;  // a small level's shape may tell something else
+  read_options.layout = full.layout;  // a small level's shape may suggest another
   options.target_size.reset();
   const auto source = open_row_source(input, read_options);
   const EnvironmentInfo& info = source->info();
@@ -126,7 +125,7 @@ Projection project_level(const FileInput& input, const EnvironmentInfo& full, in
   return projection;
 }
 
-/// The light that the file stores, if it is all that was asked for.
+/// Returns the light that the file stores, if it has all the requested bands.
 std::optional<SphericalHarmonics> reusable_radiance(const RowSource& source, const ProjectionOptions& options) {
   const std::optional<SphericalHarmonics>& stored = source.traits().stored_radiance;
   return stored && options.bands <= stored->bands() ? stored : std::nullopt;

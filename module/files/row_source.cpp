@@ -29,7 +29,7 @@ struct Signature {
   const char* kind;
 };
 
-// What people are likely to hand in instead, so that the refusal can name it.
+// Formats that are often passed by mistake, so that the refusal can name them.
 constexpr std::array kOtherKinds{
     Signature{"II*\0"sv, "a TIFF"},
     Signature{"MM\0*"sv, "a TIFF"},
@@ -75,8 +75,8 @@ std::unique_ptr<RowSource> open_by_first_bytes(platform::ByteFile& file, const R
   refuse(file.path(), start);
 }
 
-/// Throws `Error` (unsupported_file) if a part, layer, level or element is asked for and the format has only one. The
-/// reader of a format that has several checks them by itself.
+/// Throws `Error` (unsupported_file) if a part, layer, level or element is requested and the format has only one. The
+/// readers of formats that have several check the request themselves.
 void refuse_other_selections(const EnvironmentInfo& info, const ReadOptions& options) {
   const FileFormat format = info.format;
   const bool is_texture = format == FileFormat::ktx2 || format == FileFormat::ktx1 || format == FileFormat::dds;
@@ -183,7 +183,7 @@ struct Worker {
   std::vector<float> rows;
 };
 
-// A section of a sequential source: who holds the lock reads the next group.
+// A section of a sequential source: the thread that holds the lock reads the next group.
 struct Turns {
   std::mutex mutex;
   std::unique_ptr<RowReader> reader;
@@ -193,7 +193,7 @@ struct Turns {
 
 class Run {
  public:
-  // `in_place`: where the whole image goes, or nullptr if each worker brings room for a group.
+  // `in_place`: receives the whole image, or nullptr if each worker has memory of its own for a group.
   Run(const RowSource& source, const RowGroups& groups, const Control& control, float* in_place)
       : source_(source),
         cut_(source, groups.rows),
@@ -242,7 +242,7 @@ class Run {
     const bool nothing_to_share = source_.traits().sequential && cut_.sections == 1 && in_place_ != nullptr;
     const std::uint64_t threads = jobs::worker_count(jobs::Placement::arena);
     const std::uint64_t readers = source_.traits().sequential ? cut_.sections : threads;
-    const std::uint64_t left = limit - alone;  // for all but the first reader and the first buffer
+    const std::uint64_t left = limit - alone;  // for all readers and buffers but the first
     const bool too_much = exceeds(readers - 1, reader, left) || exceeds(threads - 1, buffer, left) ||
                           (readers - 1) * reader > left - (threads - 1) * buffer;
     return small || nothing_to_share || too_much ? jobs::Placement::calling_thread : jobs::Placement::arena;
@@ -268,14 +268,14 @@ class Run {
     decoding_ += (Clock::now() - start).count();
   }
 
-  // A section has as many tiles as groups, so each tile finds one to read. False after an error, which is then on
-  // its way to the caller from the thread that met it.
+  // A section has as many tiles as groups, so each tile finds one to read. Returns false after an error, which the
+  // thread that met it is passing on to the caller.
   bool read_in_turn(std::size_t section, std::size_t worker, RowGroup& group) {
     Turns& turns = turns_[section];
     const std::lock_guard lock(turns.mutex);
     if (turns.failed) return false;
     jobs::throw_if_cancelled(control_);
-    turns.failed = true;  // until it is read
+    turns.failed = true;  // until it has been read
     group = cut_.group(section, turns.next_group);
     read(turns.reader, worker, group);
     turns.failed = false;

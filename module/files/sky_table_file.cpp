@@ -1,4 +1,4 @@
-// Sky tables in a file of their own, all little-endian:
+// Sky tables in a file, all little-endian:
 //
 //   8 bytes "WLKNSKY" and a line feed; uint32 version; uint32 CRC-32 of all that follows; uint64 bytes that follow;
 //   uint32 bytes of parameters; the parameters, in the order of `parameters`; transmittance, scattering, single
@@ -33,19 +33,19 @@ using platform::file_error;
 
 constexpr std::array<char, 8> kMagic{'W', 'L', 'K', 'N', 'S', 'K', 'Y', '\n'};
 // Tables are results, whose bits may change with every minor version of the library; the last two digits count changes
-// of the form.
+// of the format.
 constexpr std::uint32_t kVersion = 10'000 * WELKIN_VERSION_MAJOR + 100 * WELKIN_VERSION_MINOR + 8;
 constexpr std::size_t kHeaderBytes = 24;
-constexpr std::size_t kSummedFrom = 16;  ///< what lies before is not in the checksum
+constexpr std::size_t kSummedFrom = 16;  ///< earlier bytes are not in the checksum
 constexpr std::uint32_t kMaxParameterBytes = 1U << 20U;
 constexpr std::size_t kMaxText = 4096;
 
-/// A number of the file: real ones are doubles; whole ones have 8 bytes or 4, as enumerators have.
+/// A number of the file: reals are doubles; integers have 8 bytes or 4, as enumerators have.
 template <class Value>
 inline constexpr bool kIsNumber = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
 
-/// Appends values to bytes, or takes them back from there; lists state their length first. Nothing is read past the
-/// end, and no count is believed that the end does not bear out.
+/// Appends values to bytes, or reads them back; lists state their length first. Nothing is read past the end, and no
+/// count is trusted that the remaining bytes cannot hold.
 class Archive {
  public:
   enum class Way { write, read };
@@ -91,7 +91,7 @@ class Archive {
     values.resize(count(values.size(), most, what));
     for (Value& value : values) each(value);
   }
-  /// `size` of what is written; returned is that of what is read.
+  /// `size` is that to write; returns the size written or read.
   std::size_t count(std::size_t size, std::size_t most, const char* what) {
     auto stated = static_cast<std::uint32_t>(size);
     each(stated);
@@ -104,10 +104,10 @@ class Archive {
   void raw(void* value, std::size_t count) {
     if (way_ == Way::write) bytes_.resize(position_ + count);
     if (count > bytes_.size() - position_) damaged(path_, "its parameters end too early");
-    std::uint8_t* const place = bytes_.data() + position_;
+    std::uint8_t* const slot = bytes_.data() + position_;
     position_ += count;
     if (count == 0) return;
-    way_ == Way::write ? std::memcpy(place, value, count) : std::memcpy(value, place, count);
+    way_ == Way::write ? std::memcpy(slot, value, count) : std::memcpy(value, slot, count);
   }
 
   Way way_;
@@ -116,7 +116,7 @@ class Archive {
   std::size_t position_ = 0;
 };
 
-/// All but the tables themselves, for both ways.
+/// Saves or loads everything but the tables themselves.
 void parameters(Archive& archive, SkyTables& tables) {
   Atmosphere& air = tables.atmosphere;
   archive.all(air.name, air.wavelengths_nm, air.bottom_radius_m, air.top_radius_m, air.rayleigh, air.aerosol,
@@ -159,7 +159,7 @@ SkyTables read_parameters(std::vector<std::uint8_t>& bytes, const std::filesyste
   return tables;
 }
 
-/// The tables themselves, in the order of the file.
+/// Calls `use` for the tables themselves, in the order of the file.
 template <class Tables, class Use>
 void for_each_table(Tables& tables, const Use& use) {
   use(tables.transmittance, sky::transmittance_floats(tables.options));
@@ -199,7 +199,7 @@ void save_sky_tables(const SkyTables& tables, const FileOutput& output) {
     }
     following += values.size() * sizeof(float);
   });
-  std::vector<std::uint8_t> header;  // from the checksum's first byte on
+  std::vector<std::uint8_t> header;  // from the first byte that the checksum covers
   platform::append_little_endian(header, following);
   platform::append_little_endian(header, static_cast<std::uint32_t>(stated.size()));
   header.insert(header.end(), stated.begin(), stated.end());

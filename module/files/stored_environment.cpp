@@ -1,4 +1,4 @@
-// What a file carries beside its pixels, plans that take it, and bakes by them.
+// The results that a file carries in addition to its pixels, plans that use them, and bakes by these plans.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -30,7 +30,7 @@
 namespace welkin {
 namespace {
 
-/// Mip k of an .env is for alpha = 2^(k / scale) / size, at most 1; 0 at mip 0.
+/// Mip k of an .env has alpha = 2^(k / scale) / size, at most 1; 0 at mip 0.
 std::vector<double> babylon_roughness(int levels, int size, double scale) {
   std::vector<double> roughness{0.0};
   for (int level = 1; level < levels; ++level)
@@ -44,15 +44,15 @@ void look_into_env(StoredEnvironment& stored) {
   stored.has_polynomial = manifest.polynomial.has_value();
   stored.levels = manifest.levels();
   if (!(manifest.lod_generation_scale > 0.0)) {
-    stored.content = LevelContent::radiance;  // what Babylon.js stores of a cubemap that was not prefiltered
+    stored.content = LevelContent::radiance;  // Babylon.js stores this for a cubemap that was not prefiltered
     return;
   }
   stored.content = LevelContent::reflections;
   stored.roughness = babylon_roughness(stored.levels, manifest.width, manifest.lod_generation_scale);
 }
 
-/// Numbers with spaces between them, as many as there are levels, each from 0 to 1 and none below the one before; else
-/// nothing. By no locale: a host's may want a decimal comma.
+/// Parses numbers separated by spaces, one per level, each from 0 to 1 and none below the one before; otherwise empty.
+/// No locale is used: a host's may require a decimal comma.
 std::vector<double> roughness_in(std::string_view text, int levels) {
   constexpr std::string_view kSpaces = " \t\r\n";
   std::vector<double> roughness;
@@ -70,7 +70,7 @@ std::vector<double> roughness_in(std::string_view text, int levels) {
   return roughness;
 }
 
-/// A person who sees the mips of another roughness than was stored should know why.
+/// Notes why the stored roughness is not used, for people who see mips of another one.
 void note_discarded(StoredEnvironment& stored, const std::string& text) {
   stored.info.notes.push_back("its roughness \"" + platform::printable(text) +
                               "\" is not used: " + std::to_string(stored.levels) +
@@ -83,7 +83,7 @@ void look_into_texture(StoredEnvironment& stored) {
   if (layout.faces() != 6) return;
   stored.levels = static_cast<int>(layout.levels.size());
   stored.compressed = layout.supercompression != Supercompression::none;
-  if (!layout.has_metadata || layout.container == FileFormat::ktx1) return;  // it cannot be told
+  if (!layout.has_metadata || layout.container == FileFormat::ktx1) return;  // unknown
   stored.content = LevelContent::radiance;
   for (const auto& [key, value] : layout.metadata) {
     if (!files::speaks_of_roughness(key)) continue;
@@ -130,7 +130,7 @@ StoredEnvironment inspect_stored_environment(const FileInput& input, const ReadO
     }
     stored.content = content;
   }
-  if (read.level != 0) {  // one of the levels alone
+  if (read.level != 0) {  // a single level
     stored.levels = 1;
     stored.content = LevelContent::automatic;
     stored.has_polynomial = false;
@@ -146,11 +146,11 @@ StoredEnvironment inspect_stored_environment(const FileInput& input, const ReadO
 namespace files {
 namespace {
 
-// Plans for files: what they carry already, and whether their pixels are wanted at all.
+// Plans for files: which results they carry, and whether their pixels are needed at all.
 
 constexpr const char* kRead = "read";
 
-/// Stored results were made of the pixels as they are, and as the file says.
+/// Returns whether options change the pixels: stored results were made of unchanged ones, read as the file states.
 bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
   return file.read.transfer != Transfer::automatic || options.pixels.clamp || options.pixels.gamma ||
          options.pixels.negative != NegativePolicy::keep || options.pixels.nan == NonFinitePolicy::reject ||
@@ -159,7 +159,7 @@ bool changes_pixels(const StoredEnvironment& file, const BakeOptions& options) {
 
 bool takes_specular(const StoredEnvironment& file, const SceneNeeds& needs, const BakeOptions& options) {
   if (!options.specular || !needs.glossy || file.content != LevelContent::reflections) return false;
-  if (options.specular->lobe != LobeFamily::ggx) return false;  // what files carry is of GGX
+  if (options.specular->lobe != LobeFamily::ggx) return false;  // files carry results of GGX
   return platform::ranges::is_sorted(file.roughness) && file.roughness.front() <= needs.glossy->minimum &&
          file.roughness.back() >= needs.glossy->maximum;
 }
@@ -181,7 +181,7 @@ bool wants_pixels(const Plan& plan) {
   return plan.pass("sanitize").action != PassAction::skip || plan.pass("project").action == PassAction::run;
 }
 
-/// Nothing but a projection, or less. (What reads a file for its light alone takes a stored polynomial, asked or not.)
+/// Returns whether a plan needs at most a projection. (Reading only light always uses a stored polynomial.)
 bool streams(const StoredEnvironment& file, const Plan& plan) {
   if (plan.pass("sanitize").action != PassAction::skip || plan.take_specular) return false;
   return plan.take_light || !file.has_polynomial || plan.pass("project").action == PassAction::skip;
@@ -196,7 +196,7 @@ PlannedPass read_pass(const StoredEnvironment& file, const Plan& plan) {
   return {kRead, PassAction::run, file.description(), bytes};
 }
 
-/// `kinds`: what is taken of the file.
+/// `kinds`: the results that are taken from the file.
 Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& needed, const baking::StoredKinds& kinds) {
   Plan plan = baking::plan_pixels(file.shape, needed, kinds);
   plan.source = file.description();
@@ -205,8 +205,8 @@ Plan plan_with(const StoredEnvironment& file, const baking::NeededOptions& neede
   return plan;
 }
 
-/// The plan of a bake of everything that the options ask for: of what the file carries its light alone is taken, which
-/// is more than its pixels hold.
+/// Plans a bake of everything that the options request: of the file's stored results only the light is used, which is
+/// more than its pixels hold.
 Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
   baking::StoredKinds kinds;
   if (file.has_polynomial && !changes_pixels(file, options)) kinds.harmonics_bands = 3;
@@ -215,8 +215,8 @@ Plan plan_whole(const StoredEnvironment& file, const BakeOptions& options) {
 
 // Files as sources of bakes.
 
-/// Reads what a plan wants of a file: all of its pixels, its levels, its light alone, or nothing. `file` and `plan`
-/// must outlive it.
+/// Reads what a plan needs of a file: all of its pixels, its levels, only its light, or nothing. `file` and `plan` must
+/// outlive it.
 class FileSource final : public baking::Source {
  public:
   FileSource(const StoredEnvironment& file, const Plan& plan) : file_(file), plan_(plan) {}
@@ -239,7 +239,7 @@ class FileSource final : public baking::Source {
   void read(const Control& control) override {
     if (plan_.streams) return;
     const std::uint64_t limit = file_.read.memory_limit_bytes;
-    const Control reading{control.stop, control.progress};  // what is read here is no result
+    const Control reading{control.stop, control.progress};  // no `memory`: this is not a result
     if (!plan_.take_specular && !plan_.take_levels) {
       environment_ = read_environment(file_.input, file_.read, reading);
     } else if (file_.info.format == FileFormat::babylon) {
@@ -254,17 +254,17 @@ class FileSource final : public baking::Source {
     return environment_.view();
   }
 
-  /// While it is read.
+  /// Projects the file while it is read.
   [[nodiscard]] Projection project(const ProjectionOptions& options, const Control& control) override {
     return project_file(file_.input, file_.read, options, control);
   }
 
-  /// For the polynomial.
+  /// Returns the polynomial's light.
   [[nodiscard]] SphericalHarmonics take_radiance(const Control& control) override {
     return project_file(file_.input, file_.read, {}, {control.stop, {}}).radiance;
   }
 
-  /// The mips that the plan takes.
+  /// Returns the mips that the plan takes.
   [[nodiscard]] PrefilteredSpecular take_specular(const Control& control) override {
     PrefilteredSpecular part;
     part.cubemap = Cubemap(chain_.level_size(plan_.first_stored_mip), plan_.stored_mips, control.memory);
@@ -288,11 +288,11 @@ class FileSource final : public baking::Source {
  private:
   const StoredEnvironment& file_;
   const Plan& plan_;
-  Cubemap chain_;            ///< of a file whose levels are taken,
-  Environment environment_;  ///< of others
+  Cubemap chain_;            ///< of a file whose levels are taken
+  Environment environment_;  ///< of other files
 };
 
-/// As it stands in the manifest.
+/// Returns the polynomial as stated in the manifest.
 std::optional<BabylonPolynomial> stored_polynomial(const StoredEnvironment& file) {
   if (!file.has_polynomial) return std::nullopt;
   platform::ByteFile bytes = open_file(file.input);

@@ -29,7 +29,7 @@ void decode_packed(const std::uint8_t* texels, std::size_t count, float* rgb, co
 
 using Channel = ChannelType;
 
-// In the enumeration's order.
+// Indexed by TexelKind.
 constexpr std::array kKinds{
     KindTraits{"rgba16f", 8, 1, 2, 97, 10, PixelFormat::rgba16f, Channel::half, 4},
     KindTraits{"rgba32f", 16, 1, 4, 109, 2, PixelFormat::rgba32f, Channel::float32, 4},
@@ -154,64 +154,64 @@ namespace {
 
 constexpr int kRowsAtOnce = 64;
 
-/// The largest number instead of a wrap: packed levels have the bytes that the file says, and a sparse file says much.
+/// Adds without wrapping, up to the largest number: files state the bytes of packed levels, sparse ones state many.
 std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
   constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   return a > most - b ? most : a + b;
 }
 
-/// The most that a reader holds while it reads so many rows of a level at once.
+/// Returns an upper bound on a reader's memory while it reads so many rows of a level at once.
 std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
   const int size = layout.level_size(level);
-  const auto& place = layout.levels[static_cast<std::size_t>(level)];
+  const auto& stored = layout.levels[static_cast<std::size_t>(level)];
   // Rows of blocks reach beyond the rows that are read, at either end.
   const int most_rows = rows + (is_compressed(layout.kind) ? block_edge(layout.kind) : 0);
   std::uint64_t bytes = row_byte_range(layout.kind, size, 0, most_rows).bytes;
-  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), place.packed_bytes);
+  if (layout.supercompression != Supercompression::none) bytes = sum(layout.whole_bytes(level), stored.packed_bytes);
   if (!is_astc(layout.kind)) return bytes;
   constexpr std::uint64_t decoder = std::uint64_t{4} << 20U;
   const auto texels = static_cast<std::uint64_t>(size) * static_cast<std::uint64_t>(most_rows);
   return sum(bytes, decoder + texels * 4 * sizeof(float));
 }
 
-/// Texels out of a KTX2 or DDS file. Each thread has its own. Holds an unpacked level, if the file's are packed, until
-/// another is asked for.
+/// Reads texels of a KTX2 or DDS file. Each thread has its own. If the file's levels are packed, it holds one unpacked
+/// level until another is requested.
 class TextureReader {
  public:
-  /// `layout` is that of the file, and outlives the reader. `stop` is looked at while a level is unpacked.
+  /// `layout` is that of the file, and outlives the reader. `stop` is checked while a level is unpacked.
   TextureReader(const FileInput& input, const TextureLayout& layout, stop_token stop = {})
       : file_(open_file(input)), layout_(layout), stop_(std::move(stop)) {}
 
-  /// Rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
+  /// Reads rows of a face to `rows` x level size x 3 floats. Throws `Error`: corrupt_file, file_access, cancelled.
   void read(int level, int face, int first_row, int rows, float* rgb) {
     const int size = layout_.level_size(level);
-    const ByteRange place = row_byte_range(layout_.kind, size, first_row, rows);
+    const ByteRange range = row_byte_range(layout_.kind, size, first_row, rows);
     if (layout_.supercompression != Supercompression::none) {
       if (unpacked_level_ != level) unpack_level(level);
       const std::uint64_t first_byte = layout_.first_byte_of(level, face);
-      decode(texels_.data() + first_byte + place.first_byte, size, first_row, rows, rgb);
+      decode(texels_.data() + first_byte + range.first_byte, size, first_row, rows, rgb);
       return;
     }
-    texels_.resize(place.bytes);
+    texels_.resize(range.bytes);
     const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
-    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + place.first_byte);
+    file_.seek(stored.first_byte + stored.face_stride * static_cast<std::uint64_t>(face) + range.first_byte);
     file_.read(texels_.data(), texels_.size());
     decode(texels_.data(), size, first_row, rows, rgb);
   }
 
  private:
   void unpack_level(int level) {
-    const TextureLayout::Level& place = layout_.levels[static_cast<std::size_t>(level)];
+    const TextureLayout::Level& stored = layout_.levels[static_cast<std::size_t>(level)];
     unpacked_level_ = -1;
-    std::vector<std::uint8_t> packed(place.packed_bytes);
-    file_.seek(place.first_byte);
+    std::vector<std::uint8_t> packed(stored.packed_bytes);
+    file_.seek(stored.first_byte);
     file_.read(packed.data(), packed.size());
     texels_.resize(layout_.whole_bytes(level));
     unpack(layout_.supercompression, packed, file_.path(), texels_, stop_);
     unpacked_level_ = level;
   }
 
-  /// From what is at `row_byte_range`, at an address that is a multiple of 4 (of rgb16f: of 2; of rgb8: any).
+  /// Decodes the bytes at `row_byte_range`, at an address that is a multiple of 4 (rgb16f: of 2; rgb8: any).
   void decode(const std::uint8_t* bytes, int size, int first_row, int rows, float* rgb) {
     const TexelKind kind = layout_.kind;
     if (!is_compressed(kind)) {
@@ -230,12 +230,12 @@ class TextureReader {
   platform::ByteFile file_;
   const TextureLayout& layout_;
   stop_token stop_;
-  AstcDecoder astc_;  ///< once it was needed
+  AstcDecoder astc_;  ///< made at first use
   std::vector<std::uint8_t> texels_;
   int unpacked_level_ = -1;
 };
 
-/// Of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
+/// Returns the bytes of the whole chain as floats. Sizes are bounded, so that this cannot overflow.
 std::uint64_t chain_bytes(const TextureLayout& layout) {
   std::uint64_t texels = 0;
   for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {
@@ -245,16 +245,16 @@ std::uint64_t chain_bytes(const TextureLayout& layout) {
   return texels * 3 * sizeof(float);
 }
 
-/// A packed level is one tile, the faces of others six.
+/// A packed level is one tile, the others are six, one per face.
 struct Tiles {
   explicit Tiles(const TextureLayout& layout)
       : faces(layout.supercompression == Supercompression::none ? 1 : 6), count(layout.levels.size() * 6 / faces) {}
 
-  std::size_t faces;  ///< of a tile
+  std::size_t faces;  ///< per tile
   std::size_t count;
 };
 
-/// Beside the chain, with `workers` readers: each level is unpacked by one of them.
+/// Returns the bytes in addition to the chain, with `workers` readers: each level is unpacked by one of them.
 std::uint64_t working_bytes(const TextureLayout& layout, std::size_t workers) {
   std::uint64_t bytes = 0;
   for (int level = 0; level < static_cast<int>(layout.levels.size()); ++level) {
@@ -281,7 +281,7 @@ std::string words_for(const TextureLayout& layout) {
   return words;
 }
 
-/// At once, whole blocks of them.
+/// Rounds rows to read at once down to whole blocks.
 int whole_rows(TexelKind kind, int rows) { return rows / block_edge(kind) * block_edge(kind); }
 
 void read_face(TextureReader& reader, Cubemap& chain, int level, int face, int rows_at_once, const stop_token& stop) {
@@ -319,14 +319,14 @@ class TextureRowReader final : public RowReader {
   TextureReader reader_;
   int level_;
   int width_;
-  int rows_;           ///< of a face
-  int streamed_rows_;  ///< at once
+  int rows_;           ///< per face
+  int streamed_rows_;  ///< read at once
 };
 
 bool has_prefiltered_levels(const TextureLayout& layout) {
   if (layout.faces() != 6) return false;
   if (!layout.has_metadata || layout.container == FileFormat::ktx1)
-    return true;  // DDS cannot say, and what tools for light write as DDS mostly is
+    return true;  // DDS cannot say, and files of lighting tools mostly are
   return std::any_of(layout.metadata.begin(), layout.metadata.end(),
                      [](const auto& entry) { return speaks_of_roughness(entry.first); });
 }
@@ -363,7 +363,7 @@ TexelKind with_transfer(TexelKind kind, Transfer asked_for, EnvironmentInfo& inf
   return linear ? TexelKind::rgb8 : TexelKind::rgb8_srgb;
 }
 
-/// Layout and sizes of an image's level.
+/// Sets layout and sizes of an image's level.
 void settle_image(EnvironmentInfo& info, const TextureLayout& layout, const ReadOptions& options) {
   const auto levels = static_cast<int>(layout.levels.size());
   require_level(info, levels, options.level);
@@ -396,7 +396,7 @@ std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOpti
   }
   const auto orientation = layout.metadata.find("KTXorientation");
   const bool usual = orientation == layout.metadata.end() || orientation->second == "rd" ||
-                     orientation->second.starts_with("S=r,T=d");  // of the first version
+                     orientation->second.starts_with("S=r,T=d");  // KTX 1
   if (!usual) {
     info.notes.push_back("its KTXorientation of \"" + platform::printable(orientation->second) +
                          "\" is not applied: rows are read from the top");

@@ -27,8 +27,8 @@ constexpr std::size_t kBlockTexels = std::size_t{64} << 10U;
 struct Container {
   const char* extension;
   std::uint64_t (*write)(const TextureJob&);
-  bool flat;            ///< images as well as cubemaps
-  bool packed_formats;  ///< b10g11r11 and e5b9g9r9
+  bool flat;            ///< supports images as well as cubemaps
+  bool packed_formats;  ///< supports b10g11r11 and e5b9g9r9
   bool supercompression;
   bool bc6h;
   bool astc;
@@ -50,7 +50,7 @@ void check_options(const std::filesystem::path& path, const Container& container
   const auto refuse = [&path](const std::string& message) {
     throw platform::file_error(ErrorCode::invalid_argument, path, message);
   };
-  // A number from elsewhere that was cast.
+  // A cast number may be out of range.
   if (options.format < TexelFormat::rgba16f || options.format > TexelFormat::uastc_hdr_4x4 ||
       options.supercompression < Supercompression::none || options.supercompression > Supercompression::zstd) {
     refuse("cannot be written in an unknown format or supercompression; pass one of the enumerators");
@@ -192,7 +192,7 @@ void check_map(const std::filesystem::path& path, const OctahedralMap& map) {
   }
 }
 
-/// "map.exr", of several levels "map_m2.exr".
+/// Writes "map.exr", or for several levels "map_m2.exr" and so on.
 WriteReport write_images(const FileOutput& output, const OctahedralMap& map, const TextureOptions& options,
                          const Control& control) {
   const std::filesystem::path& path = output.path();

@@ -22,14 +22,13 @@
 
 namespace welkin::files {
 
-/// Not for `none`. A megabyte at a time, and `stop` is looked at before each. Throws `Error` (cancelled),
-/// `std::bad_alloc`.
+/// Packs bytes; not for `none`. `stop` is checked before each megabyte. Throws `Error` (cancelled), `std::bad_alloc`.
 [[nodiscard]] std::vector<std::uint8_t> pack(Supercompression supercompression, const std::vector<std::uint8_t>& bytes,
                                              const stop_token& stop = {});
 
-/// Fills `bytes`, whose size is what must come out; nothing is written or allocated beyond it. `path` is for messages.
-/// `stop` is looked at before each megabyte that zlib unpacks, and before all that Zstandard does, which is some ten
-/// times as fast. Throws `Error` (corrupt_file, cancelled).
+/// Fills `bytes`, whose size is the expected one; nothing is written or allocated beyond it. `path` is for messages.
+/// `stop` is checked before each megabyte that zlib unpacks, and once before Zstandard, which is about ten times as
+/// fast. Throws `Error` (corrupt_file, cancelled).
 void unpack(Supercompression supercompression, const std::vector<std::uint8_t>& packed,
             const std::filesystem::path& path, std::vector<std::uint8_t>& bytes, const stop_token& stop = {});
 
@@ -42,12 +41,12 @@ inline constexpr std::size_t kFirstPackedBytes = std::size_t{1} << 18U;
 void require_unpacks(Supercompression supercompression, const std::vector<std::uint8_t>& first,
                      std::uint64_t unpacked_bytes, const std::filesystem::path& path);
 
-// One function a library and way; a build can leave out either library (codecs.h).
+// One function per library and direction; a build can leave out either library (codecs.h).
 
 [[nodiscard]] std::vector<std::uint8_t> pack_zlib(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
 [[nodiscard]] std::vector<std::uint8_t> pack_zstd(const std::vector<std::uint8_t>& bytes, const stop_token& stop);
-/// How many bytes the zlib stream unpacks to, up to `most`. Nothing where there is no zlib, nor for what is no stream:
-/// whoever unpacks it finds that out.
+/// Returns the number of bytes that the zlib stream unpacks to, up to `most`. Empty without zlib, and for an invalid
+/// stream, which unpacking will report.
 [[nodiscard]] std::optional<std::uint64_t> unpacked_zlib_bytes(std::span<const char> packed, std::uint64_t most);
 void unpack_zlib(const std::vector<std::uint8_t>& packed, const std::filesystem::path& path,
                  std::vector<std::uint8_t>& bytes, const stop_token& stop);
@@ -58,18 +57,18 @@ void require_zlib(const std::vector<std::uint8_t>& first, const std::filesystem:
 void require_zstd(const std::vector<std::uint8_t>& first, std::uint64_t unpacked_bytes,
                   const std::filesystem::path& path);
 
-inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes between two looks at the stop token
+inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes between two checks of the stop token
 
-/// What a library says of a level that it cannot unpack.
+/// Throws a library's message about a level that it cannot unpack.
 [[noreturn]] void refuse_packed_level(const std::filesystem::path& path, const char* library,
                                       const std::string& reason);
 
-/// The most bytes that so many packed ones can stand for.
+/// Returns an upper bound on what so many packed bytes unpack to.
 [[nodiscard]] std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t packed_bytes) noexcept;
 
-// How texels lie in KTX2 and DDS files, and the way from floats and back.
+// The layout of texels in KTX2 and DDS files, and conversion from floats and back.
 
-/// What is read: all that is written (`TexelFormat`, with the same numbers), and more.
+/// The kinds that are read: all that are written (`TexelFormat`, with the same numbers), and more.
 enum class TexelKind {
   rgba16f,
   rgba32f,
@@ -79,7 +78,7 @@ enum class TexelKind {
   bc6h_sfloat,
   astc_4x4_hdr,
   astc_6x6_hdr,
-  uastc_hdr_4x4,  ///< read as astc_4x4_hdr, which it is
+  uastc_hdr_4x4,  ///< read as astc_4x4_hdr, whose format it shares
   rgba8,
   rgba8_srgb,
   rgb16f,
@@ -93,7 +92,7 @@ static_assert(static_cast<int>(TexelKind::uastc_hdr_4x4) == static_cast<int>(Tex
 
 [[nodiscard]] constexpr TexelKind kind_of(TexelFormat format) noexcept { return static_cast<TexelKind>(format); }
 
-/// What there is to know of a kind.
+/// The properties of a kind.
 struct KindTraits {
   const char* name;
   std::size_t bytes;                  ///< per texel or block
@@ -107,7 +106,7 @@ struct KindTraits {
 };
 [[nodiscard]] const KindTraits& traits(TexelKind kind) noexcept;
 
-/// The kind to which a container gives that number.
+/// Returns the kind to which a container gives that number.
 [[nodiscard]] std::optional<TexelKind> kind_with(std::uint32_t KindTraits::*member, std::uint32_t number) noexcept;
 
 [[nodiscard]] inline const char* name(TexelKind kind) noexcept { return traits(kind).name; }
@@ -118,14 +117,14 @@ struct KindTraits {
 }
 [[nodiscard]] inline std::size_t texel_bytes(TexelKind kind) noexcept { return traits(kind).bytes; }
 
-/// What holds some rows of a face or image, whole blocks of it; `size`: texels in a row.
+/// The bytes of some rows of a face or image, in whole blocks; `size`: texels in a row.
 struct ByteRange {
   std::uint64_t first_byte;  ///< from the face's first one
   std::uint64_t bytes;
 };
 [[nodiscard]] ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noexcept;
 
-/// Packed RGB floats from `count` texels at an address that is a multiple of 4. Alpha is passed over. Not for blocks.
+/// Decodes packed RGB floats from `count` texels at a multiple of 4 bytes. Alpha is ignored. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
 
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
@@ -158,10 +157,10 @@ inline constexpr std::array<std::uint8_t, 12> kKtx2Identifier{0xAB, 0x4B, 0x54, 
 inline constexpr std::size_t kKtx2HeaderBytes = 80;      ///< with the identifier, up to the level index
 inline constexpr std::size_t kKtx2LevelIndexBytes = 24;  ///< per level: offset, bytes, unpacked bytes
 
-// Where a cubemap's texels lie in a KTX2 or DDS file, whichever it is.
+// The offsets of a cubemap's texels in a KTX2 or DDS file.
 
-/// What a header says: of a cubemap, or of an image (as a lat-long is). Of an array of them it says where one element
-/// lies. Every place lies inside the file, and every level has the bytes that its size takes.
+/// The contents of a header: of a cubemap, or of an image (as a lat-long is). For an array it has the offsets of one
+/// element. Every offset lies inside the file, and every level has the bytes that its size takes.
 struct TextureLayout {
   struct Level {
     std::uint64_t first_byte = 0;    ///< in the file: of its first face, or of a supercompressed level
@@ -175,27 +174,27 @@ struct TextureLayout {
   int size = 0;               ///< texels along an edge of level 0; of an image in a row
   int height = 0;             ///< rows of an image's level 0; 0: this is a cubemap
   int elements = 1;           ///< of an array
-  int element = 0;            ///< of those the one whose places these are
+  int element = 0;            ///< the element whose offsets these are
   std::vector<Level> levels;  ///< largest first
-  bool has_metadata = false;  ///< whether the container has a place for it
+  bool has_metadata = false;  ///< whether the container can store it
   std::map<std::string, std::string> metadata;
 
   [[nodiscard]] int level_size(int level) const noexcept { return size >> level > 1 ? size >> level : 1; }
   [[nodiscard]] int faces() const noexcept { return height > 0 ? 1 : 6; }
-  /// Rows of a face, or of the image.
+  /// Returns the rows of a face, or of the image.
   [[nodiscard]] int level_rows(int level) const noexcept {
     if (height == 0) return level_size(level);
     return height >> level > 1 ? height >> level : 1;
   }
-  /// Bytes of a face, or of the image.
+  /// Returns the bytes of a face, or of the image.
   [[nodiscard]] std::uint64_t face_bytes(int level) const noexcept {
     return row_byte_range(kind, level_size(level), 0, level_rows(level)).bytes;
   }
-  /// Bytes of all elements' faces.
+  /// Returns the bytes of all elements' faces.
   [[nodiscard]] std::uint64_t whole_bytes(int level) const noexcept {
     return face_bytes(level) * static_cast<std::uint64_t>(faces()) * static_cast<std::uint64_t>(elements);
   }
-  /// Within those, of a face of the element.
+  /// Returns the offset in a level of a face of the element.
   [[nodiscard]] std::uint64_t first_byte_of(int level, int face) const noexcept {
     return face_bytes(level) * static_cast<std::uint64_t>(element * faces() + face);
   }
@@ -204,122 +203,121 @@ struct TextureLayout {
 /// "none", "zlib", "zstd"
 [[nodiscard]] const char* name(Supercompression supercompression) noexcept;
 
-/// Read a header and check it whole; no texel is read. The file stands at its beginning. Throw `Error`:
-/// corrupt_file, unsupported_file, file_access.
+/// Reads and checks a whole header, without texels. The file is at its beginning. Throws `Error`: corrupt_file,
+/// unsupported_file, file_access.
 [[nodiscard]] TextureLayout read_ktx2_layout(platform::ByteFile& file, int element = 0);
 [[nodiscard]] TextureLayout read_ktx1_layout(platform::ByteFile& file, int element = 0);
 [[nodiscard]] TextureLayout read_dds_layout(platform::ByteFile& file, int element = 0);
 
-/// Of either, by the first bytes; unsupported_file if it is neither.
+/// Reads the layout of any of these, by the first bytes; unsupported_file for another file.
 [[nodiscard]] TextureLayout read_texture_layout(platform::ByteFile& file, int element = 0);
-/// By those that `first_bytes` gives.
+/// Returns whether a file that starts with these `first_bytes` is a texture.
 [[nodiscard]] bool is_texture(std::string_view start);
 
-/// KTX's key/value data, of both versions: keys with their values; a text's closing zero is left out. Entries after one
-/// that makes no sense are an error. Throws `Error` (corrupt_file, limit_exceeded, file_access).
+/// Reads KTX's key/value data, of both versions: keys with their values, without a text's closing zero. An invalid
+/// entry is an error. Throws `Error` (corrupt_file, limit_exceeded, file_access).
 [[nodiscard]] std::map<std::string, std::string> read_key_values(platform::ByteFile& file, std::uint64_t offset,
                                                                  std::uint64_t bytes);
 
-/// The same as bytes, keys in the order of theirs. Throws `Error` (invalid_argument) above 1 MiB.
+/// Returns key/value data as bytes, sorted by key. Throws `Error` (invalid_argument) above 1 MiB.
 [[nodiscard]] std::vector<std::uint8_t> key_value_bytes(const platform::WholeFile& file,
                                                         const std::map<std::string, std::string>& metadata);
 
 /// Throws `Error` naming the file.
 [[noreturn]] void refuse_texture(const platform::ByteFile& file, ErrorCode code, const std::string& message);
 
-/// Throws `Error` (corrupt_file) unless the file has these bytes; `what`: they are.
+/// Throws `Error` (corrupt_file) unless the file has these bytes, which `what` names.
 void require_inside(const platform::ByteFile& file, const std::string& what, std::uint64_t offset, std::uint64_t bytes);
 
-/// Puts sizes, elements and element into the layout. `faces`: 6 or 1; `elements`: 0 stands for none, which is one.
-/// Throws `Error` (corrupt_file, unsupported_file) for what cannot be, or an element that is not there.
+/// Sets the layout's sizes, elements and element. `faces`: 6 or 1; `elements`: 0 counts as one. Throws `Error`
+/// (corrupt_file, unsupported_file) for impossible values, or a missing element.
 void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::uint64_t width, std::uint64_t height,
                     std::uint64_t levels, std::uint32_t faces, std::uint32_t elements, int element);
 
 // KTX2 and DDS cubemaps as rows.
 
-/// A file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds the
-/// sphere as its shape or the options say. Packed levels are
-/// unpacked whole. 8-bit texels are linear or sRGB as the format says, or as ReadOptions.transfer has it. Throws as
-/// `inspect_environment`.
+/// Opens a file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds
+/// the sphere as its shape or the options say. Packed levels are unpacked whole. 8-bit texels are linear or sRGB by the
+/// format, or by ReadOptions.transfer. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options);
 
-// Whether a file's chain of levels is one of plain mips.
+// Whether a file's levels are plain mips.
 
-/// Whether a key of a file's metadata speaks of roughness ("welkin.roughness"): then the smaller levels are blurred for
+/// Returns whether a metadata key is about roughness ("welkin.roughness"): then the smaller levels are blurred for
 /// reflections, and none of them stands for the image.
 [[nodiscard]] inline bool speaks_of_roughness(const std::string& key) {
   return lower_case(key).find("roughness") != std::string::npos;
 }
 
-// What the writers of textures share.
+// The code that the writers of textures share.
 
-/// A texture that is about to be written, a cubemap or flat; all that was checked.
+/// A checked texture that is about to be written, a cubemap or flat.
 struct TextureJob {
   platform::WholeFile& file;
-  std::vector<std::vector<LatLongView>> levels;  ///< of each its six faces, or its one image: rows, not directions
+  std::vector<std::vector<LatLongView>> levels;  ///< six faces per level, or one image: rows, not directions
   const TextureOptions& options;
   const Control& control;
-  std::span<const CubemapView> mips{};  ///< of a cubemap the same levels
+  std::span<const CubemapView> mips{};  ///< the same levels of a cubemap
 
   [[nodiscard]] std::size_t faces() const noexcept { return levels.front().size(); }
   [[nodiscard]] TexelKind kind() const noexcept { return kind_of(options.format); }
-  /// All faces of a level, unpacked.
+  /// Returns the bytes of all faces of a level, unpacked.
   [[nodiscard]] std::uint64_t level_bytes(std::size_t level) const noexcept;
 };
 
 /// Levels in blocks.
 struct BlockLevels {
-  std::vector<std::vector<std::uint8_t>> levels;  ///< of each the blocks of its faces, or of its image
+  std::vector<std::vector<std::uint8_t>> levels;  ///< per level the blocks of its faces or image
   std::uint64_t values_clamped = 0;
 };
 
-/// The job's levels in blocks, if its format has such: nine tenths of the work, which is said to the job's control.
-/// Throws `Error`: invalid_argument (the effort), cancelled.
+/// Returns the job's levels in blocks, if its format has blocks: nine tenths of the work, reported to the job's
+/// control. Throws `Error`: invalid_argument (the effort), cancelled.
 [[nodiscard]] std::optional<BlockLevels> compressed(const TextureJob& job);
 
 // Blocks of ASTC with high dynamic range (Khronos Data Format Specification 1.3, "ASTC Compressed Texture Image
 // Formats"), by the library astcenc.
 
-/// Packed RGB floats from what is at `row_byte_range` of the kind that it was made for. A block that the specification
-/// does not define gives NaN. Each thread has its own: it keeps astcenc's tables (3 MB, made in some 4 ms). Throws
-/// `std::bad_alloc`.
+/// A function that decodes the blocks at `row_byte_range` to packed RGB floats, for the kind that it was made for. A
+/// block that the specification does not define gives NaN. Each thread has its own: it keeps astcenc's tables (3 MB,
+/// made in about 4 ms). Throws `std::bad_alloc`.
 using AstcDecoder = std::function<void(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb)>;
 
 /// `path` is for messages. Throws `Error` (unsupported_file) in a build without astcenc, `std::bad_alloc`.
 [[nodiscard]] AstcDecoder make_astc_decoder(TexelKind kind, const std::filesystem::path& path);
 
-/// Encodes the faces of each level, or the one image of it. What halves cannot hold, and negatives, are clamped and
-/// counted. The same bytes on any number of threads: blocks are encoded by themselves. Throws `Error`:
-/// invalid_argument (the effort), cancelled; `std::bad_alloc`.
+/// Encodes the faces of each level, or its one image. Values beyond the range of half floats, and negatives, are
+/// clamped and counted. The bytes are the same on any number of threads: blocks are encoded independently. Throws
+/// `Error`: invalid_argument (the effort), cancelled; `std::bad_alloc`.
 [[nodiscard]] BlockLevels encode_astc(std::span<const std::vector<LatLongView>> levels, TexelKind kind,
                                       AstcEffort effort, const Control& control);
 
 // The writers.
 
-/// Each writes the texture to the job's file and returns how many values were clamped. Throw `Error` as
-/// `write_texture` does. KTX and OpenEXR are for cubemaps alone, and a flat DDS has one level.
+/// Each writes the texture to the job's file and returns how many values were clamped. Throws the errors of
+/// `write_texture`. KTX and OpenEXR are for cubemaps only, and a flat DDS has one level.
 std::uint64_t write_ktx2(const TextureJob& job);
 std::uint64_t write_ktx1(const TextureJob& job);
 std::uint64_t write_dds(const TextureJob& job);
 std::uint64_t write_exr_cube(const TextureJob& job);
 
-/// A three-dimensional texture of halves, four a texel, x first, then y, then z; or an array whose layers z counts.
+/// A three-dimensional texture of half floats, four per texel, x first, then y, then z; or an array indexed by z.
 struct Volume {
   std::array<int, 3> size;
   std::span<const std::uint16_t> halves;
   bool is_array = false;
 };
 
-/// Writes it as it is.
+/// Writes a volume unchanged.
 void write_ktx2_volume(platform::WholeFile& file, const Volume& volume,
                        const std::map<std::string, std::string>& metadata);
 
-/// Turns a face or image into texels, a block of rows after the other.
+/// Encodes a face or image to texels, in blocks of rows.
 class TexelEncoder {
  public:
   explicit TexelEncoder(TexelFormat format) : format_(format) {}
 
-  /// Some rows, to `texels`: rows x width texels.
+  /// Encodes rows to `texels`: rows x width texels.
   void encode(const LatLongView& image, int first_row, int rows, std::uint8_t* texels);
 
   [[nodiscard]] std::uint64_t clamped() const noexcept { return clamped_; }
@@ -330,11 +328,11 @@ class TexelEncoder {
   std::uint64_t clamped_ = 0;
 };
 
-/// How far texels have come, for the progress of a whole chain.
+/// The progress of writing texels of a whole chain.
 class TexelProgress {
  public:
   explicit TexelProgress(const TextureJob& job);
-  /// Before `texels` more are written: throws `Error` (cancelled), and tells the share that is done.
+  /// Called before `texels` more are written: throws `Error` (cancelled), and reports the fraction done.
   void next(std::uint64_t texels);
 
  private:
@@ -343,7 +341,7 @@ class TexelProgress {
   double done_ = 0.0;
 };
 
-/// Writes a face or image as it lies in the file, unpacked.
+/// Writes a face or image as stored in the file, unpacked.
 void write_image(const TextureJob& job, const LatLongView& image, TexelEncoder& encoder, TexelProgress& progress);
 
 }  // namespace welkin::files

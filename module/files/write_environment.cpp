@@ -28,7 +28,7 @@ using platform::file_error;
 
 struct Format {
   const char* extension;
-  std::optional<files::Codec> codec;  ///< that writes it, if a build can leave it out
+  std::optional<files::Codec> codec;  ///< the codec that writes it, if a build can leave that out
   std::uint64_t (*write)(const OutputImage&, const files::WriteJob&);
   std::vector<SampleType> types;  ///< the first is the automatic one
   const char* types_in_words;
@@ -187,7 +187,7 @@ WriteReport OutputFiles::commit(std::uint64_t values_clamped, const Control& con
     report.files.push_back(file->path());
   }
   if (control.progress) control.progress(1.0);
-  for (const auto& file : files_) file->commit();  // last: whatever throws leaves what was there before
+  for (const auto& file : files_) file->commit();  // last: an earlier exception leaves the old files
   return report;
 }
 

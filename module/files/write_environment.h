@@ -1,4 +1,4 @@
-// An image that is about to be written: a view laid out as a file wants it, row by row.
+// An image that is about to be written: a view in the file's layout, row by row.
 #pragma once
 
 #include <cstdint>
@@ -20,15 +20,15 @@ namespace welkin::files {
 class OutputImage {
  public:
   explicit OutputImage(const LatLongView& view);
-  /// All six faces as the placement has them; blank texels are black. The placement must outlive the image.
+  /// All six faces by the placement; blank texels are black. The placement must outlive the image.
   OutputImage(const CubemapView& view, const CubePlacement& placement);
-  /// One face alone.
+  /// A single face.
   OutputImage(const CubemapView& view, int face);
 
   [[nodiscard]] int width() const noexcept { return width_; }
   [[nodiscard]] int height() const noexcept { return height_; }
 
-  /// To `width` x 3 floats.
+  /// Writes a row to `width` x 3 floats.
   void read_row(int row, float* rgb) const { read_row_(row, rgb); }
 
  private:
@@ -48,14 +48,14 @@ struct WriteJob {
   const Control& control;
 };
 
-/// The files that an image of this layout becomes at `path`: one, or a face's each in their order.
+/// Returns the files for an image of this layout at `path`: one, or one per face in their order.
 [[nodiscard]] std::vector<std::filesystem::path> files_to_write(const std::filesystem::path& path, Layout layout);
 
-/// "level.json" as "level_three.ktx2".
+/// Returns "level_three.ktx2" for "level.json".
 [[nodiscard]] std::filesystem::path beside(const std::filesystem::path& path, const std::string& ending,
                                            const std::filesystem::path& extension = {});
 
-/// The entry of `formats` whose extension the path has. Throws `Error` (unsupported_file) if there is none.
+/// Returns the entry of `formats` whose extension the path has. Throws `Error` (unsupported_file) if there is none.
 template <class Formats>
 [[nodiscard]] const auto& format_named_by(const std::filesystem::path& path, const Formats& formats,
                                           const char* verdict, const char* remedy) {
@@ -74,19 +74,19 @@ class OutputFiles {
  public:
   platform::WholeFile& add(const FileOutput& output);
 
-  /// Puts all in their places: until the first one is there, whatever throws leaves what was there before. Tells that
-  /// all is done.
+  /// Moves all files to their paths: an exception before the first one leaves the old files unchanged. Reports the end
+  /// of the work.
   [[nodiscard]] WriteReport commit(std::uint64_t values_clamped, const Control& control);
 
  private:
   std::vector<std::unique_ptr<platform::WholeFile>> files_;
 };
 
-/// Called before each row or block of rows: throws `Error` (cancelled), and tells the share that is done.
+/// Called before each row or block of rows: throws `Error` (cancelled), and reports the fraction done.
 void report_rows(const WriteJob& job, int done, int height);
 
-/// Each writes the image to the job's file and returns how many values were clamped. Throw `Error` as
-/// `write_environment` does.
+/// Each writes the image to the job's file and returns how many values were clamped. Throws the errors of
+/// `write_environment`.
 std::uint64_t write_exr(const OutputImage& image, const WriteJob& job);
 std::uint64_t write_hdr(const OutputImage& image, const WriteJob& job);
 std::uint64_t write_pfm(const OutputImage& image, const WriteJob& job);

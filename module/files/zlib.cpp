@@ -1,8 +1,8 @@
-// KTX2's levels by zlib.
+// Packs and unpacks KTX2's levels with zlib.
 #include <algorithm>
 #include <memory>
 #include <new>
-#define ZLIB_CONST  // it does not write through next_in
+#define ZLIB_CONST  // zlib does not write through next_in
 #include <zlib.h>
 
 #include "files/textures.h"
@@ -20,7 +20,7 @@ struct EndInflate {
   void operator()(z_stream* stream) const noexcept { inflateEnd(stream); }
 };
 
-/// How far the stream has come. (Its own counts have 32 bits on Windows.)
+/// Return the bytes read and written so far. (The stream's counts have 32 bits on Windows.)
 std::size_t read_bytes(const z_stream& stream, const Bytes& from) noexcept {
   return static_cast<std::size_t>(stream.next_in - from.data());
 }
@@ -28,13 +28,13 @@ std::size_t written_bytes(const z_stream& stream, const Bytes& to) noexcept {
   return static_cast<std::size_t>(stream.next_out - to.data());
 }
 
-/// The first byte on either side.
+/// Starts at the first byte on either side.
 void begin(z_stream& stream, const Bytes& from, Bytes& to) noexcept {
   stream.next_in = from.data();
   stream.next_out = to.data();
 }
 
-/// The next block on either side, at most. Whether it is all that is left to read.
+/// Offers at most the next block on either side. Returns whether it is all that is left to read.
 bool offer(z_stream& stream, const Bytes& from, const Bytes& to) noexcept {
   const std::size_t left = from.size() - read_bytes(stream, from);
   stream.avail_in = static_cast<uInt>(std::min(kPackedAtOnce, left));
@@ -42,7 +42,7 @@ bool offer(z_stream& stream, const Bytes& from, const Bytes& to) noexcept {
   return left <= kPackedAtOnce;
 }
 
-/// What packing makes of so many bytes at most: as zlib's deflateBound for its default settings, in 64 bits.
+/// Returns the maximum packed size: as zlib's deflateBound for its default settings, in 64 bits.
 std::size_t most_packed_bytes(std::size_t bytes) noexcept {
   return bytes + (bytes >> 12U) + (bytes >> 14U) + (bytes >> 25U) + 13;
 }
@@ -61,7 +61,7 @@ Bytes pack_zlib(const Bytes& bytes, const stop_token& stop) {
     const bool last = offer(stream, bytes, packed);
     result = deflate(&stream, last ? Z_FINISH : Z_NO_FLUSH);
   }
-  if (result != Z_STREAM_END) throw std::bad_alloc();  // nothing else can go wrong: there is room for the worst case
+  if (result != Z_STREAM_END) throw std::bad_alloc();  // no other failure is possible: `packed` holds the worst case
   packed.resize(written_bytes(stream, packed));
   return packed;
 }

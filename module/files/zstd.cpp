@@ -1,4 +1,4 @@
-// KTX2's levels by Zstandard.
+// Packs and unpacks KTX2's levels with Zstandard.
 #include <zstd.h>
 #include <zstd_errors.h>
 
@@ -48,7 +48,7 @@ void require_zstd(const Bytes& first, std::uint64_t unpacked_bytes, const std::f
   Bytes begin(ZSTD_BLOCKSIZE_MAX);
   const std::size_t result = ZSTD_decompress(begin.data(), begin.size(), first.data(), first.size());
   const ZSTD_ErrorCode error = ZSTD_getErrorCode(result);
-  // The second block has no room, or is cut off here.
+  // The second block does not fit, or is cut off here.
   const bool sound = error == ZSTD_error_no_error || error == ZSTD_error_dstSize_tooSmall ||
                      (error == ZSTD_error_srcSize_wrong && first.size() == kFirstPackedBytes);
   if (!sound) refuse_packed_level(path, "Zstandard", ZSTD_getErrorName(result));

@@ -1,26 +1,24 @@
-// What differs between compilers, each under a name of its own. Nothing else of the library names an attribute.
+// Macros for what differs between compilers. Nothing else of the library names an attribute.
 #pragma once
 
-// WELKIN_INLINE: a function that is inlined wherever it is called, whatever the compiler thinks of that. Kernels need
-// it for their speed, and so that no instruction set's copy of a function can stand in for another's.
-// WELKIN_INLINE_LAMBDA stands behind a lambda's parameters and says the same of it.
+// WELKIN_INLINE: a function that is inlined wherever it is called, whatever the compiler's heuristics. Kernels need it
+// for their speed, and so that no instruction set's copy of a function can stand in for another's.
+// WELKIN_INLINE_LAMBDA does the same for a lambda; it follows the parameters.
 //
-// WELKIN_INLINE_UNLESS_SENT: the same, but where code is sent over a network before it can run, as WebAssembly is to a
-// page: large kernels are called there instead of inlined, and have fewer variants (`kCodeIsSent`).
+// WELKIN_INLINE_UNLESS_SENT: WELKIN_INLINE, except where code is sent over a network before it can run (WebAssembly in
+// a page): there large kernels are called, not inlined, and have fewer variants (`kCodeIsSent`).
 //
 // WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
-// repeat the load that it came from. It changes no bits; other compilers do without.
+// repeat the load that it came from. It changes no bits. It has no effect with other compilers.
 //
-// WELKIN_FETCH(p): a statement that asks for the cache line at p, which is read soon. It reads nothing: p need not be
-// an address of anything.
+// WELKIN_FETCH(p): a statement that prefetches the cache line at p, which is read soon. It reads nothing: p need not be
+// a valid address.
 //
 // WELKIN_RUN_BEFORE_STATIC_OBJECTS stands before a function without arguments: it runs before the static objects of the
 // whole program are made, so what it makes is destroyed after them. 101 is the first priority that the compiler does
-// not keep for itself. Where there is no such thing the function is called by nobody, and the objects are made at first
-// use.
+// not reserve. Where there is no such attribute the function is not called, and the objects are made at first use.
 //
-// WELKIN_ADDRESS_SANITIZER is 1 in a build with that sanitizer: memory that is kept for reuse would hide errors from
-// it.
+// WELKIN_ADDRESS_SANITIZER is 1 in a build with that sanitizer, from which memory kept for reuse would hide errors.
 #if defined(__SANITIZE_ADDRESS__)
 #define WELKIN_ADDRESS_SANITIZER 1
 #elif defined(__has_feature)
@@ -42,7 +40,7 @@
 #else
 #define WELKIN_IN_REGISTER(v) __asm__("" : "+v"(v))
 #endif
-#if defined(__wasm__)  // has no such instruction
+#if defined(__wasm__)  // no such instruction
 #define WELKIN_FETCH(p) static_cast<void>(p)
 #else
 #define WELKIN_FETCH(p) __builtin_prefetch(p, 0, 3)

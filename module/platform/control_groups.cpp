@@ -1,4 +1,4 @@
-// How many processors control groups grant. Linux alone has such, and elsewhere none of their files is found.
+// The number of processors that control groups grant. Only Linux has control groups; elsewhere no such file is found.
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace welkin::detail {
 namespace {
 
-/// The words of a line; `separators` end each. Streams would read numbers by the host's locale.
+/// Splits a line into words; each character of `separators` ends one. Streams would parse numbers by the host's locale.
 std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
   std::vector<std::string_view> words;
   while (!text.empty()) {
@@ -40,7 +40,7 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
   return value;
 }
 
-/// ceil(quota / period), both in microseconds; 0 where they are none ("max", -1).
+/// Returns ceil(quota / period), both in microseconds; 0 where there is no quota ("max", -1).
 int processors_of(std::string_view quota, std::string_view period) {
   constexpr std::int64_t kMax = 1 << 20;
   const std::optional<std::int64_t> share = whole_number(quota);
@@ -49,7 +49,7 @@ int processors_of(std::string_view quota, std::string_view period) {
   return static_cast<int>(std::min(kMax, (*share - 1) / *whole + 1));
 }
 
-/// What one group's own files grant; 0: they set no quota.
+/// Returns the processors that a single group's files grant; 0 if they set no quota.
 int quota_of(const std::filesystem::path& group, bool version_2) {
   if (version_2) {
     const std::vector<std::string> lines = lines_of(group / "cpu.max");
@@ -61,8 +61,8 @@ int quota_of(const std::filesystem::path& group, bool version_2) {
   return quota.empty() || period.empty() ? 0 : processors_of(quota.front(), period.front());
 }
 
-/// The process's group in the hierarchy of version 2, or in that of version 1 that has the processors: the third field
-/// of a line of /proc/self/cgroup, "0::/path" or "4:cpu,cpuacct:/path".
+/// Returns the process's group in the hierarchy of version 2, or in that of version 1 that controls processors: the
+/// third field of a line of /proc/self/cgroup, "0::/path" or "4:cpu,cpuacct:/path".
 std::optional<std::string> own_group(const std::filesystem::path& root, bool version_2) {
   for (const std::string& line : lines_of(root / "proc/self/cgroup")) {
     const std::size_t first = line.find(':');
@@ -77,12 +77,12 @@ std::optional<std::string> own_group(const std::filesystem::path& root, bool ver
 }
 
 struct Hierarchy {
-  std::string top;    ///< the group that is mounted
-  std::string place;  ///< where
+  std::string top;  ///< the group that is mounted
+  std::string mount_point;
 };
 
-/// A line of /proc/self/mountinfo (proc(5)): number, parent, device, root, place, options, any number of optional
-/// fields, a hyphen, type, source, options of the file system.
+/// Parses a line of /proc/self/mountinfo (proc(5)): number, parent, device, root, mount point, options, any number of
+/// optional fields, a hyphen, type, source, options of the file system.
 std::optional<Hierarchy> hierarchy_in(const std::string& line, bool version_2) {
   const std::vector<std::string_view> words = split(line, " ");
   const auto hyphen = std::find(words.begin(), words.end(), "-");
@@ -95,22 +95,22 @@ std::optional<Hierarchy> hierarchy_in(const std::string& line, bool version_2) {
   return Hierarchy{std::string(words[3]), std::string(words[4])};
 }
 
-/// Of one hierarchy: the least quota from the process's group up to the topmost that is mounted; 0: there is none.
+/// Returns the minimum quota in a hierarchy, from the process's group to the topmost mounted; 0 if there is none.
 int quota_in(const std::filesystem::path& root, bool version_2) {
   const std::optional<std::string> group = own_group(root, version_2);
   if (!group) return 0;
   for (const std::string& line : lines_of(root / "proc/self/mountinfo")) {
     const std::optional<Hierarchy> hierarchy = hierarchy_in(line, version_2);
     if (!hierarchy) continue;
-    // In a container the process's group is often itself what is mounted, and has another path outside.
+    // In a container the process's group is often itself the mounted one, and has another path outside.
     std::filesystem::path below = std::filesystem::path(*group).lexically_relative(hierarchy->top);
     if (below.empty() || *below.begin() == "..") below = ".";
-    const std::filesystem::path top = root / std::filesystem::path(hierarchy->place).relative_path();
-    int least = 0;
+    const std::filesystem::path top = root / std::filesystem::path(hierarchy->mount_point).relative_path();
+    int minimum = 0;
     for (;; below = below.parent_path()) {
       const int quota = quota_of((top / below).lexically_normal(), version_2);
-      if (quota > 0 && (least == 0 || quota < least)) least = quota;
-      if (below.empty() || below == ".") return least;
+      if (quota > 0 && (minimum == 0 || quota < minimum)) minimum = quota;
+      if (below.empty() || below == ".") return minimum;
     }
   }
   return 0;

@@ -1,4 +1,4 @@
-// Which kernels this machine can run. Compiled for the baseline, so that asking never faults.
+// The instruction sets that this machine can run. Compiled for the baseline, so that the query never faults.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include "platform/text.h"
 #include "welkin/core.h"
 
-// Sets that this build has no kernels for (cmake/instruction_sets.cmake), as words.
+// Instruction sets that this build has no kernels for (cmake/instruction_sets.cmake), as words.
 #if !defined(WELKIN_LEFT_OUT_SETS)
 #define WELKIN_LEFT_OUT_SETS ""
 #endif
@@ -31,7 +31,7 @@ struct CpuidRegisters {
   unsigned eax, ebx, ecx, edx;
 };
 
-/// Zeros for a leaf that the processor does not have.
+/// Returns zeros for a leaf that the processor does not have.
 CpuidRegisters cpuid(unsigned leaf, unsigned subleaf) {
   CpuidRegisters r{};
 #if defined(_MSC_VER)
@@ -47,8 +47,8 @@ CpuidRegisters cpuid(unsigned leaf, unsigned subleaf) {
   return r;
 }
 
-/// The register state that the operating system saves on a context switch (XCR0). Without its bits an instruction set
-/// is there but must not be used. Needs OSXSAVE.
+/// Returns the register state that the operating system saves on a context switch (XCR0). If its bits are missing, an
+/// instruction set must not be used even if present. Needs OSXSAVE.
 std::uint64_t saved_register_state() {
 #if defined(_MSC_VER)
   return _xgetbv(0);
@@ -81,8 +81,8 @@ WideSets ask_processor() {
                     (state & avx512_state) == avx512_state};
 }
 
-/// SSE2 is part of x86-64. The processor is asked once for all the others: on a virtual machine every CPUID leaves the
-/// guest, 5 to 20 microseconds.
+/// SSE2 is part of x86-64. All the others are queried once: on a virtual machine every CPUID exits to the host, which
+/// takes 5 to 20 microseconds.
 bool runs(InstructionSet set) {
   static const WideSets wide = ask_processor();
   switch (set) {
@@ -97,9 +97,9 @@ bool runs(InstructionSet set) {
 
 #else
 
-/// Another processor's binary carries one set, which its processors all run: NEON is part of 64-bit ARM (AArch64), and
-/// all that the kernels use of it is there from the first version on; a WebAssembly module that uses vectors loads
-/// nowhere else than where there are any.
+/// A binary for another processor carries one set, which all of its processors run: NEON is part of 64-bit ARM
+/// (AArch64), and the kernels use only what its first version has; a WebAssembly module that uses vectors loads only
+/// where there are any.
 #if defined(__wasm__)
 constexpr InstructionSet kOnly = InstructionSet::simd128;
 #else
@@ -115,7 +115,7 @@ constexpr InstructionSet kAll[] = {InstructionSet::sse2, InstructionSet::avx2, I
 
 bool is_left_out(InstructionSet set) { return std::string(WELKIN_LEFT_OUT_SETS).find(name(set)) != std::string::npos; }
 
-/// Throws only in a build that was made for a newer machine and leaves out what older ones can run.
+/// Throws only in a build made for a newer machine, without the kernels that older ones can run.
 InstructionSet widest() {
   const std::vector<InstructionSet> sets = available_instruction_sets();
   if (!sets.empty()) return sets.back();
@@ -167,7 +167,7 @@ std::vector<InstructionSet> available_instruction_sets() {
 InstructionSet active_instruction_set() {
   const int chosen = active.load(std::memory_order_relaxed);
   if (chosen != kUndecided) return static_cast<InstructionSet>(chosen);
-  // Two threads that get here at once decide the same.
+  // Two threads that get here at once make the same choice.
   const InstructionSet set = initial_choice();
   int expected = kUndecided;
   active.compare_exchange_strong(expected, static_cast<int>(set), std::memory_order_relaxed);

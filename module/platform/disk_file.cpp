@@ -1,4 +1,4 @@
-// Files on a disk, which systems with files have in common.
+// Files on a disk: the code that all systems with files share.
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -20,8 +20,8 @@ namespace {
 
 // Files that are read.
 
-// Anything but a regular file is refused before it is opened: a pipe would block, a directory opens and then
-// reads nothing.
+// Anything but a regular file is refused before it is opened: a pipe would block, and a directory opens and then reads
+// nothing.
 void require_regular_file(const std::filesystem::path& path) {
   std::error_code failure;
   const std::filesystem::file_status status = std::filesystem::status(reachable(path), failure);
@@ -74,10 +74,10 @@ class Stream final : public DiskFile {
   std::filesystem::path path_;
   std::ifstream stream_;
   std::uint64_t size_ = 0;
-  std::uint64_t position_ = 0;  // where the stream stands; it is moved only when a read needs it
+  std::uint64_t position_ = 0;  // of the stream, which seeks only when a read needs it
 };
 
-// Files that are being written: where they will be, their names until then, and their streams.
+// Files that are being written: their targets, their temporary names, and their streams.
 
 constexpr std::string_view kBesideStart = ".welkin-";
 constexpr std::string_view kBesideEnd = ".part";
@@ -89,7 +89,7 @@ bool is_name_beside(const std::filesystem::path& path) {
          name.find_first_not_of("0123456789-", kBesideStart.size()) == name.size() - kBesideEnd.size();
 }
 
-/// Once for each folder that this process writes to.
+/// Removes leftover files, once for each folder that this process writes to.
 void tidy_once(const std::filesystem::path& folder) {
   constexpr std::size_t kMaxKnown = 64;
   static auto& mutex = *new std::mutex;  // never destroyed: files are written while a program exits too
@@ -102,7 +102,7 @@ void tidy_once(const std::filesystem::path& folder) {
   remove_left_behind(folder);
 }
 
-/// The status of what would be replaced.
+/// Returns the status of the file that would be replaced.
 std::filesystem::file_status require_replaceable(const std::filesystem::path& path) {
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(reachable(path), ignored);
@@ -116,7 +116,7 @@ std::filesystem::file_status require_replaceable(const std::filesystem::path& pa
   return status;
 }
 
-/// Renaming would replace a link itself, not the file that it leads to.
+/// Follows links: renaming would replace a link itself, not the file that it leads to.
 std::filesystem::path behind_links(const std::filesystem::path& path) {
   std::error_code failure;
   std::filesystem::path target = std::filesystem::canonical(path, failure);
@@ -147,7 +147,7 @@ bool PendingFile::close_stream() {
   return note_unless(std::fclose(std::exchange(stream_, nullptr)) == 0);
 }
 
-// In containers every run has the same process number, so that the time tells it from what a killed one left.
+// In containers every run has the same process number; the time tells this name from one that a killed run left.
 std::filesystem::path name_beside(const std::filesystem::path& path) {
   static std::atomic<unsigned> count{0};
   const auto now = std::chrono::system_clock::now().time_since_epoch().count();
@@ -163,18 +163,18 @@ void remove_left_behind(const std::filesystem::path& folder) noexcept {
     for (; !failure && at != std::filesystem::directory_iterator(); at.increment(failure)) {
       if (is_name_beside(at->path())) remove_if_left_behind(at->path());
     }
-  } catch (const std::exception&) {  // no memory for a name: another time
+  } catch (const std::exception&) {  // no memory for a name: removed another time
   }
 }
 
-PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link link) {
+PendingTarget target_of(const std::filesystem::path& path, WholeFile::Link link) {
   const bool kept = link == WholeFile::Link::kept;
   std::filesystem::file_status replaced;
   if (kept) replaced = require_replaceable(path);
-  PendingTarget place{reachable(kept ? behind_links(path) : path), std::nullopt};
-  tidy_once(std::filesystem::absolute(place.path).parent_path());
-  if (std::filesystem::exists(replaced)) place.permissions = replaced.permissions();
-  return place;
+  PendingTarget target{reachable(kept ? behind_links(path) : path), std::nullopt};
+  tidy_once(std::filesystem::absolute(target.path).parent_path());
+  if (std::filesystem::exists(replaced)) target.permissions = replaced.permissions();
+  return target;
 }
 
 }  // namespace welkin::platform

@@ -39,7 +39,7 @@ void ByteFile::read(void* bytes, std::size_t count) {
   }
   if (!memory_) {
     disk_->read(position_, bytes, count);
-  } else if (count > 0) {  // no bytes may be at no address, which memcpy may not be given
+  } else if (count > 0) {  // an empty range may be null, which memcpy may not be given
     std::memcpy(bytes, memory_->data() + position_, count);
   }
   position_ += count;
@@ -47,9 +47,9 @@ void ByteFile::read(void* bytes, std::size_t count) {
 
 namespace {
 
-/// The length of the character of UTF-8 that the text begins with; 0: these bytes are none. (RFC 3629, section 4: some
-/// first bytes leave less room for the second, which keeps out longer forms of other characters, halves of UTF-16's
-/// pairs and what is above U+10FFFF.)
+/// Returns the length of the UTF-8 character that the text begins with; 0 if the bytes are invalid. (RFC 3629, section
+/// 4: some first bytes restrict the second, which excludes overlong forms of other characters, halves of UTF-16
+/// surrogate pairs and code points above U+10FFFF.)
 std::size_t character_bytes(std::string_view text) {
   constexpr unsigned kContinuation = 0x80;
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -69,8 +69,8 @@ std::size_t character_bytes(std::string_view text) {
   return is_another ? 0 : length;
 }
 
-/// What turns the direction of the text after it, U+202A to U+202E and U+2066 to U+2069, is one too: with it a name
-/// reads as another.
+/// Returns whether a character is a control. Controls of text direction (U+202A to U+202E and U+2066 to U+2069) count:
+/// with one of them a name reads as another.
 bool is_control(std::string_view character) {
   const auto first = static_cast<unsigned char>(character[0]);
   if (character.size() == 1) return first < 0x20 || first == 0x7F;

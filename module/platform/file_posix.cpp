@@ -55,7 +55,7 @@ bool FolderLock::take() noexcept { return flock(file_, LOCK_EX | LOCK_NB) == 0 |
 
 namespace {
 
-/// Whether the descriptor's file is the one of that name.
+/// Returns whether the descriptor's file is the one of that name.
 bool is_file_of(int descriptor, const std::filesystem::path& path) {
   struct stat opened {};
   struct stat named {};
@@ -63,7 +63,7 @@ bool is_file_of(int descriptor, const std::filesystem::path& path) {
          opened.st_ino == named.st_ino;
 }
 
-/// The name of a file that has none.
+/// Returns a path to a file that has no name.
 std::string descriptor_path(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
 }  // namespace
@@ -71,7 +71,7 @@ std::string descriptor_path(int descriptor) { return "/proc/self/fd/" + std::to_
 void remove_if_left_behind(const std::filesystem::path& path) noexcept {
   const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
   if (descriptor < 0) return;
-  // Of a writer that lives it has the lock, or another name (see `make_beside`).
+  // A living writer holds the lock or has moved on to another name (see `make_beside`).
   if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_file_of(descriptor, path)) unlink(path.c_str());
   close(descriptor);
 }
@@ -86,17 +86,17 @@ void PendingFile::discard() noexcept {
 
 bool PendingFile::make() { return make_without_name() || make_beside(); }
 
-/// Where the file system has no such files, or the system no names for them, there is none.
+/// Returns false where the file system has no unnamed files or the system no paths to them.
 bool PendingFile::make_without_name() {
 #ifdef O_TMPFILE
-  const std::filesystem::path folder = place_.has_parent_path() ? place_.parent_path() : ".";
+  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
   file_ = open(folder.c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
   if (file_ == kNoFile) return false;
   if (access(descriptor_path(file_).c_str(), F_OK) != 0) {
     close(std::exchange(file_, kNoFile));
     return false;
   }
-  static_cast<void>(flock(file_, LOCK_EX | LOCK_NB));  // for the moment in which it is named beside
+  static_cast<void>(flock(file_, LOCK_EX | LOCK_NB));  // for the moment in which it has a temporary name
   return true;
 #else
   return false;
@@ -105,11 +105,11 @@ bool PendingFile::make_without_name() {
 
 bool PendingFile::make_beside() {
   for (int tried = 0; file_ == kNoFile && tried < kMaxNamesTried; ++tried) {
-    beside_ = name_beside(place_);
+    beside_ = name_beside(target_);
     errno = 0;
     file_ = open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file_ == kNoFile && errno != EEXIST) break;
-    // Who tidies the folder may have come between, and holds the lock or has removed the file.
+    // A process that tidies the folder may have come between, and holds the lock or has removed the file.
     const bool locked = flock(file_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
     if (!locked || !is_file_of(file_, beside_)) close(std::exchange(file_, kNoFile));
   }
@@ -119,7 +119,7 @@ bool PendingFile::make_beside() {
 }
 
 bool PendingFile::open_stream() {
-  const int copy = fcntl(file_, F_DUPFD_CLOEXEC, 0);  // for the stream, which closes its own
+  const int copy = fcntl(file_, F_DUPFD_CLOEXEC, 0);  // for the stream, which closes its descriptor
   if (copy >= 0) stream_ = fdopen(copy, "wb");
   if (stream_ != nullptr) return true;
   static_cast<void>(note_failure());
@@ -139,20 +139,20 @@ bool PendingFile::seek(std::uint64_t position) {
 }
 
 bool PendingFile::flush_to_disk() {
-  // A file system that cannot say so (EINVAL) does not lose what it has.
+  // A file system that cannot flush (EINVAL) does not lose what it has.
   return fdatasync(file_) == 0 || errno == EINVAL || note_failure();
 }
 
-/// To a file without one: in its place if that is free, else beside it, because a link replaces nothing.
+/// Names an unnamed file: its target if that name is free, else a temporary name, because a link replaces nothing.
 bool PendingFile::give_name() {
   const std::string unnamed = descriptor_path(file_);
   const auto link_to = [&](const std::filesystem::path& name) {
     return linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
   };
-  bool named = link_to(place_);
+  bool named = link_to(target_);
   if (named) return true;
   for (int tried = 0; !named && errno == EEXIST && tried < kMaxNamesTried; ++tried) {
-    beside_ = name_beside(place_);
+    beside_ = name_beside(target_);
     named = link_to(beside_);
   }
   if (named) return true;
@@ -162,7 +162,7 @@ bool PendingFile::give_name() {
 
 bool PendingFile::put_in_place() {
   if (beside_.empty() && !give_name()) return false;
-  if (!beside_.empty() && std::rename(beside_.c_str(), place_.c_str()) != 0) return note_failure();
+  if (!beside_.empty() && std::rename(beside_.c_str(), target_.c_str()) != 0) return note_failure();
   beside_.clear();
   discard();
   return true;

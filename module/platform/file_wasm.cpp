@@ -1,4 +1,4 @@
-// A system without files: WebAssembly's, where all bytes are in memory.
+// A system without files (WebAssembly), where all bytes are in memory.
 #include "platform/file.h"
 #include "platform/pending_file.h"
 
@@ -29,7 +29,7 @@ bool FolderLock::take() noexcept { return file_ == kNoFile; }
 
 void remove_left_behind(const std::filesystem::path& /*folder*/) noexcept {}
 
-PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link /*link*/) {
+PendingTarget target_of(const std::filesystem::path& path, WholeFile::Link /*link*/) {
   throw file_error(ErrorCode::file_access, path, kNoFiles);
 }
 

@@ -40,7 +40,7 @@ std::string system_message(DWORD number) {
 std::int64_t process_number() noexcept { return static_cast<std::int64_t>(GetCurrentProcessId()); }
 
 std::filesystem::path reachable(const std::filesystem::path& path) {
-  constexpr std::size_t kLongest = 248;  // of a folder that CreateDirectory takes: MAX_PATH less a name of 8.3
+  constexpr std::size_t kLongest = 248;  // folder path for CreateDirectory: MAX_PATH less an 8.3 name
   constexpr std::wstring_view kUnbounded = L"\\\\?\\";
   if (path.empty() || path.native().starts_with(kUnbounded)) return path;
   std::wstring whole(GetFullPathNameW(path.c_str(), 0, nullptr, nullptr), L'\0');
@@ -53,14 +53,14 @@ std::filesystem::path reachable(const std::filesystem::path& path) {
 SharedFile::SharedFile(const std::filesystem::path& path) noexcept : file_(kNoFile) {
   try {
     const std::filesystem::path name = reachable(path);
-    // A reparse point (a link) is opened itself, and is then no regular file.
+    // A reparse point (a link) is opened itself, and then does not count as a regular file.
     const auto open = [&](DWORD access) {
       return file_of(CreateFileW(name.c_str(), access, kSharedByAll, nullptr, OPEN_EXISTING,
                                  FILE_FLAG_OPEN_REPARSE_POINT, nullptr));
     };
     file_ = open(GENERIC_READ | FILE_WRITE_ATTRIBUTES);
     if (!is_open()) file_ = open(GENERIC_READ);
-  } catch (const std::bad_alloc&) {  // for its name: not open
+  } catch (const std::bad_alloc&) {  // no memory for the name: not open
   }
 }
 
@@ -97,13 +97,13 @@ void SharedFile::touch() const noexcept {
   SetFileTime(handle_of(file_), nullptr, nullptr, &now);
 }
 
-// Windows locks no folders. An event that has the folder's number for its name does: it is there as long as anybody has
-// a handle to it, and who makes it has the folder.
+// Windows locks no folders. An event named after the folder's number serves as the lock: it exists as long as a handle
+// to it is open, and its creator holds the folder.
 FolderLock::FolderLock(const std::filesystem::path& folder) noexcept : file_(kNoFile) {
   try {
     file_ = file_of(CreateFileW(reachable(folder).c_str(), FILE_READ_ATTRIBUTES, kSharedByAll, nullptr, OPEN_EXISTING,
                                 FILE_FLAG_BACKUP_SEMANTICS, nullptr));
-  } catch (const std::bad_alloc&) {  // for its name: cannot be locked
+  } catch (const std::bad_alloc&) {  // no memory for the name: cannot be locked
   }
 }
 
@@ -119,7 +119,7 @@ bool FolderLock::take() noexcept {
            folder.nFileIndexHigh, folder.nFileIndexLow);
   const HANDLE event = CreateEventW(nullptr, TRUE, FALSE, name.data());
   const DWORD reason = GetLastError();
-  if (event == nullptr) return reason != ERROR_ACCESS_DENIED;  // another user's, or no such thing here
+  if (event == nullptr) return reason != ERROR_ACCESS_DENIED;  // denied: another user's; else: no events here
   if (reason == ERROR_ALREADY_EXISTS) {
     CloseHandle(event);
     return false;
@@ -129,7 +129,7 @@ bool FolderLock::take() noexcept {
 }
 
 void remove_if_left_behind(const std::filesystem::path& path) noexcept {
-  // Shared with nobody: a writer that lives has it open.
+  // Opened without sharing, which fails while a living writer has it open.
   const HANDLE file = CreateFileW(path.c_str(), DELETE, 0, nullptr, OPEN_EXISTING,
                                   FILE_FLAG_DELETE_ON_CLOSE | FILE_FLAG_OPEN_REPARSE_POINT, nullptr);
   if (file != INVALID_HANDLE_VALUE) CloseHandle(file);
@@ -149,7 +149,7 @@ void PendingFile::discard() noexcept {
 
 bool PendingFile::make() {
   for (int tried = 0; tried < kMaxNamesTried; ++tried) {
-    beside_ = name_beside(place_);
+    beside_ = name_beside(target_);
     const HANDLE file = CreateFileW(beside_.c_str(), GENERIC_WRITE | DELETE, kSharedByAll, nullptr, CREATE_NEW,
                                     FILE_ATTRIBUTE_NORMAL, nullptr);
     if (file != INVALID_HANDLE_VALUE) {
@@ -162,7 +162,7 @@ bool PendingFile::make() {
 }
 
 bool PendingFile::open_stream() {
-  HANDLE copy = INVALID_HANDLE_VALUE;  // for the stream, which closes its own
+  HANDLE copy = INVALID_HANDLE_VALUE;  // for the stream, which closes its handle
   const HANDLE process = GetCurrentProcess();
   if (!DuplicateHandle(process, handle_of(file_), process, &copy, 0, FALSE, DUPLICATE_SAME_ACCESS)) {
     return note_failure();
@@ -189,10 +189,10 @@ bool PendingFile::flush_to_disk() { return FlushFileBuffers(handle_of(file_)) ||
 
 namespace {
 
-/// As POSIX renames: also over a file that is open, if who has it open shares its removal. Windows 10, version 1709,
-/// on NTFS; fails elsewhere.
-bool rename_as_posix(HANDLE file, const std::filesystem::path& place) {
-  const std::wstring name = std::filesystem::absolute(place).native();
+/// Renames as POSIX does, also over an open file, if its handles share deletion. Needs Windows 10, version 1709, and
+/// NTFS; fails elsewhere.
+bool rename_as_posix(HANDLE file, const std::filesystem::path& target) {
+  const std::wstring name = std::filesystem::absolute(target).native();
   const std::size_t bytes = name.size() * sizeof(wchar_t);
   std::vector<std::uint64_t> memory((sizeof(FILE_RENAME_INFO) + bytes) / sizeof(std::uint64_t) + 1);
   auto* const wanted = reinterpret_cast<FILE_RENAME_INFO*>(memory.data());
@@ -209,14 +209,14 @@ bool rename_as_posix(HANDLE file, const std::filesystem::path& place) {
 }  // namespace
 
 bool PendingFile::put_in_place() {
-  // Whoever looks at new files (a virus scanner, an indexer) has them open for a moment.
+  // Programs that scan new files (virus scanners, indexers) have them open for a moment.
   constexpr int kTries = 10;
   constexpr DWORD kPauseMilliseconds = 20;
-  bool placed = rename_as_posix(handle_of(file_), place_);
+  bool placed = rename_as_posix(handle_of(file_), target_);
   DWORD reason = ERROR_SUCCESS;
   for (int tried = 0; !placed && tried < kTries; ++tried) {
     if (tried > 0) Sleep(kPauseMilliseconds);
-    placed = MoveFileExW(beside_.c_str(), place_.c_str(), MOVEFILE_REPLACE_EXISTING) != 0;
+    placed = MoveFileExW(beside_.c_str(), target_.c_str(), MOVEFILE_REPLACE_EXISTING) != 0;
     reason = placed ? ERROR_SUCCESS : GetLastError();
     if (reason != ERROR_ACCESS_DENIED && reason != ERROR_SHARING_VIOLATION) break;
   }

@@ -1,13 +1,13 @@
-// The same floating-point environment for every public call and every task.
+// Scopes that set one floating-point environment for every public call and every task.
 //
-// FloatingPointScope rounds to nearest, keeps denormals and raises nothing while it lives; then it puts back what was
-// there, flags of past exceptions included. Engines like to flush denormals or to unmask exceptions on their threads:
-// either would change our bits. Every public function that computes with floats makes one of these before anything
-// else, and so does every task.
+// FloatingPointScope rounds to nearest, keeps denormals and raises no exceptions while it lives; then it restores the
+// previous environment, flags of past exceptions included. Engines like to flush denormals or to unmask exceptions on
+// their threads: either would change our bits. Every public function that computes with floats constructs one first,
+// and so does every task.
 //
-// FlushDenormalsScope takes denormals for zero while it lives, on top of the default environment: for kernels whose
-// functions fade away towards the poles, where each denormal would cost a hundred cycles. Which results count as
-// denormal differs between processors, so where it lives nothing that small may matter (transform/spectrum.cpp).
+// FlushDenormalsScope treats denormals as zero while it lives, on top of the default environment: for kernels whose
+// functions fade towards the poles, where each denormal would cost a hundred cycles. Processors differ in which results
+// count as denormal, so within it no result may depend on values that small (transform/spectrum.cpp).
 #pragma once
 
 #include <cstddef>
@@ -24,8 +24,8 @@ namespace welkin::platform {
 namespace detail {
 
 // FPCR, the control register. Bits 8 to 12 and 15 trap exceptions (where the processor can), 19 flushes denormal
-// halves, 22 and 23 say how to round, 24 flushes denormals, operands as well as results, 25 gives one and the same NaN
-// always, 26 takes halves for ARM's own format without infinities. All 0: IEEE 754. FPSR: flags of past exceptions.
+// halves, 22 and 23 select the rounding, 24 flushes denormals, operands as well as results, 25 makes NaNs the default
+// one, 26 selects ARM's half format without infinities. All 0: IEEE 754. FPSR: flags of past exceptions.
 inline std::uint64_t control_register() noexcept {
   std::uint64_t value = 0;
   __asm__ volatile("mrs %0, fpcr" : "=r"(value) : : "memory");
@@ -45,8 +45,8 @@ inline void set_status_register(std::uint64_t value) noexcept {
 
 }  // namespace detail
 
-/// Writing the control register makes the processor wait for all instructions before, so it is written only where it is
-/// not the default one already.
+/// Writing the control register makes the processor wait for all earlier instructions, so it is written only if it is
+/// not the default already.
 class FloatingPointScope {
  public:
   FloatingPointScope() noexcept : control_(detail::control_register()), status_(detail::status_register()) {
@@ -65,8 +65,8 @@ class FloatingPointScope {
   std::uint64_t status_;
 };
 
-/// NEON flushes results that are denormal before they are rounded, where x86 looks at them afterwards: one that is
-/// rounded up to the least normal number is zero here and not there.
+/// NEON flushes results that are denormal before rounding, x86 those that are denormal after it: a result that is
+/// rounded up to the smallest normal number becomes zero here only.
 class FlushDenormalsScope {
  public:
   FlushDenormalsScope() noexcept : saved_(detail::control_register()) {
@@ -83,14 +83,14 @@ class FlushDenormalsScope {
 
 #elif defined(__wasm__)
 
-/// The floating-point environment of WebAssembly, which has but one: it always rounds to nearest, keeps denormals and
-/// raises nothing.
+/// The floating-point environment of WebAssembly, which is fixed: it rounds to nearest, keeps denormals and raises no
+/// exceptions.
 class FloatingPointScope {
  public:
   FloatingPointScope() noexcept {}  // NOLINT(modernize-use-equals-default): an object that is not unused
 };
 
-/// Denormals stay: nothing may depend on them where this lives.
+/// Keeps denormals: nothing may depend on them within this scope.
 class FlushDenormalsScope {
  public:
   FlushDenormalsScope() noexcept {}  // NOLINT(modernize-use-equals-default): as above
@@ -98,8 +98,8 @@ class FlushDenormalsScope {
 
 #else  // x86-64
 
-/// MXCSR, and the x87 unit. We compute nothing with the latter, but the C library asks it how to round numbers in text.
-/// Where both are the default ones already it costs some ten cycles.
+/// Sets MXCSR and the x87 unit, which the C library reads to round numbers in text; we compute nothing with it. If both
+/// are the default already, this costs about ten cycles.
 class FloatingPointScope {
  public:
   FloatingPointScope() noexcept : saved_(_mm_getcsr()) {
@@ -120,8 +120,8 @@ class FloatingPointScope {
   static constexpr std::uint16_t kDefaultControlWord = 0x037F;  // after FNINIT: 64 bits, to nearest, all masked
   static constexpr std::size_t kX87EnvironmentBytes = 28;
 
-  // The whole environment is saved where it is not the default one: flags that the C library raises in between would
-  // trap as soon as they were unmasked. FNSTENV masks all exceptions, so that nothing traps in between either.
+  // If it is not the default, the whole environment is saved: flags that the C library raises in between would trap as
+  // soon as they were unmasked. FNSTENV masks all exceptions, so that nothing traps in between either.
   void enter_x87() noexcept {
     __asm__ volatile("fnstcw %0" : "=m"(control_word_) : : "memory");
     if (control_word_ != kDefaultControlWord) {
@@ -137,7 +137,7 @@ class FloatingPointScope {
   struct X87Environment {
     std::byte bytes[kX87EnvironmentBytes];
   } x87_;  ///< written only if the control word is not the default one
-#else  // the compilers of Windows compute text without the x87 unit
+#else  // Windows' compilers convert text without the x87 unit
   void enter_x87() noexcept {}
   void leave_x87() const noexcept {}
 #endif
@@ -145,7 +145,7 @@ class FloatingPointScope {
   unsigned saved_;
 };
 
-/// SSE, AVX and AVX-512 flush the same ones: results that are denormal after they were rounded.
+/// SSE, AVX and AVX-512 flush the same results: those that are denormal after rounding.
 class FlushDenormalsScope {
  public:
   FlushDenormalsScope() noexcept : saved_(_mm_getcsr()) { _mm_setcsr(saved_ | kFlushToZero | kDenormalsAreZero); }

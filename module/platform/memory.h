@@ -1,4 +1,4 @@
-// Memory for large work: fewer page faults, blocks that are kept between calls, and buffers of them.
+// Memory for large work: fewer page faults, blocks that are kept between calls, and buffers made of them.
 #pragma once
 
 #include <cstddef>
@@ -7,35 +7,35 @@
 
 namespace welkin::platform {
 
-/// Asks the system to back large memory that is about to be filled by large pages: with pages of 4 KB the first touch
-/// of a bake's results costs more than filling them. Does nothing below 2 MiB, or where the system has no such call;
-/// the contents stay as they are.
+/// Advises the system to back large memory that is about to be filled by large pages: with pages of 4 KB the first
+/// touch of a bake's results costs more than filling them. Does nothing below 2 MiB, or where the system has no such
+/// call; the contents are unchanged.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 
 // Large blocks of working memory that stay with the process between calls, so that pages are cleared once and not in
 // every call. The public functions are `keep_working_memory` and `release_working_memory` (welkin/core.h).
 
-/// A block of memory. `bytes` may be more than was asked for.
+/// A block of memory. `bytes` may exceed the requested size.
 struct WorkingMemory {
   void* data = nullptr;
   std::size_t bytes = 0;
   std::size_t alignment = 0;
-  int page = -1;  ///< of `shared_pages`; below 0: it is no part of one
+  int page = -1;  ///< index in `shared_pages`; below 0: not part of one
 };
 
 inline constexpr std::size_t kCacheLine = 64;
 #ifdef __linux__
 inline constexpr std::size_t kHugePage = std::size_t{2} << 20U;  // of x86-64, and of ARM with pages of 4 KiB
 #else
-inline constexpr std::size_t kHugePage = kCacheLine;  // no call asks for large pages
+inline constexpr std::size_t kHugePage = kCacheLine;  // no call requests large pages
 #endif
-/// Smaller blocks come from the heap and return to it: malloc keeps them itself.
+/// Smaller blocks come from the heap and return to it: malloc keeps them for reuse.
 inline constexpr std::size_t kMinKeptBlock = std::size_t{64} << 10U;
 /// Smaller blocks share huge pages.
 inline constexpr std::size_t kMinOwnBlock = std::size_t{1} << 20U;
 
-/// Returns at least `bytes` bytes that start on a cache line and are not initialised: a block that was kept, of at most
-/// twice the size, or a new one. Throws std::bad_alloc.
+/// Returns at least `bytes` uninitialized bytes that start on a cache line: a kept block of at most twice the size, or
+/// a new one. Throws std::bad_alloc.
 [[nodiscard]] WorkingMemory take_working_memory(std::size_t bytes);
 
 /// Takes back a block that `take_working_memory` returned: keeps it for later calls, or frees it.
@@ -44,14 +44,14 @@ void give_working_memory(const WorkingMemory& block) noexcept;
 /// Returns the bytes of all blocks that are kept and not in use.
 [[nodiscard]] std::size_t kept_working_memory() noexcept;
 
-/// Fills every block that is taken from now on with this byte; -1 fills none. For tests that look for reads of memory
-/// that nobody wrote.
+/// Fills every block that is taken from now on with this byte; -1 fills none. For tests that detect reads of memory
+/// that was never written.
 void fill_taken_memory(int byte) noexcept;
 
 // Memory for kernels.
 
-/// `size` values that start on a cache line, so that kernels may use aligned loads; not initialised. Large buffers come
-/// from working memory that is kept between calls.
+/// A buffer of `size` uninitialized values that starts on a cache line, so that kernels may use aligned loads. Large
+/// buffers come from working memory that is kept between calls.
 template <class Value>
 class AlignedBuffer {
  public:
@@ -77,8 +77,8 @@ class AlignedBuffer {
   std::size_t size_ = 0;
 };
 
-/// For vectors that grow or are filled in turn and are large in every call: their memory, too, is kept between calls. A
-/// cache line before the values says which block they lie in.
+/// An allocator for vectors that grow or are filled in turn and are large in every call: their memory, too, is kept
+/// between calls. A cache line before the values records their block.
 template <class Value>
 class WorkingAllocator {
  public:

@@ -1,4 +1,4 @@
-// What a system does for a `WholeFile`.
+// The system-specific part of a `WholeFile`.
 #pragma once
 
 #include <cstddef>
@@ -12,67 +12,67 @@
 
 namespace welkin::platform {
 
-/// A file that has no name yet, or one of its own beside its place, until it is whole. Each function returns whether it
-/// succeeded; `why` has the reason then.
+/// A file without a name, or with a temporary one next to its target, until it is whole. Each function returns whether
+/// it succeeded; `why` has the reason if not.
 class PendingFile {
  public:
-  /// `place`: where the file belongs, behind all links.
-  explicit PendingFile(std::filesystem::path place) : place_(std::move(place)) {}
-  ~PendingFile();  ///< what was not put in its place is gone
+  /// `target`: the final path, behind all links.
+  explicit PendingFile(std::filesystem::path target) : target_(std::move(target)) {}
+  ~PendingFile();  ///< removes a file that was not put in place
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  /// Makes the file in the folder of its place.
+  /// Makes the file in the folder of its target.
   [[nodiscard]] bool make();
   /// Opens the stream that `write` and `seek` use.
   [[nodiscard]] bool open_stream();
-  /// Gives the file the permissions of the one that it will replace, where the system has such.
+  /// Gives the file the permissions of the one that it will replace, where the system has permissions.
   void set_permissions(std::filesystem::perms permissions) noexcept;
   [[nodiscard]] bool write(const void* bytes, std::size_t count);
   [[nodiscard]] bool seek(std::uint64_t position);
   /// Writes out what the stream has buffered, and closes it.
   [[nodiscard]] bool close_stream();
-  /// Waits until the disk has all.
+  /// Waits until all bytes are on the disk.
   [[nodiscard]] bool flush_to_disk();
-  /// Gives it its name; what has that name is replaced. Nothing may follow.
+  /// Renames the file to its target, replacing an existing file. No call may follow.
   [[nodiscard]] bool put_in_place();
 
-  /// Why the last function failed, as a text for people.
+  /// Returns the reason of the last failure, as text for people.
   [[nodiscard]] const std::string& why() const noexcept { return why_; }
 
  private:
-  [[nodiscard]] bool make_without_name();  ///< this one and the next two: POSIX alone
+  [[nodiscard]] bool make_without_name();  ///< this one and the next two: POSIX only
   [[nodiscard]] bool make_beside();
   [[nodiscard]] bool give_name();
-  [[nodiscard]] bool note_failure();               ///< false, with the system's reason in `why_`
-  [[nodiscard]] bool note_unless(bool succeeded);  ///< if not: false, with the C library's reason
+  [[nodiscard]] bool note_failure();               ///< returns false, with the system's reason in `why_`
+  [[nodiscard]] bool note_unless(bool succeeded);  ///< returns `succeeded`; if false, with the C library's reason
   void discard() noexcept;
 
-  std::filesystem::path place_;
-  std::filesystem::path beside_;  ///< empty while it has no name
-  SystemFile file_ = kNoFile;     ///< holds the lock that says that its writer lives
+  std::filesystem::path target_;
+  std::filesystem::path beside_;  ///< empty while the file has no name
+  SystemFile file_ = kNoFile;     ///< locked while its writer lives
   std::FILE* stream_ = nullptr;
   std::string why_;
 };
 
-/// Where a file will be, and the permissions of what it replaces there, if something it does.
+/// The final path of a file, and the permissions of the file that it replaces, if any.
 struct PendingTarget {
   std::filesystem::path path;
   std::optional<std::filesystem::perms> permissions;
 };
 
-/// The place of a file that is asked for as `path`: behind all links, unless they are replaced. Removes what a killed
+/// Returns the target of a file given as `path`: behind all links, unless they are replaced. Removes what a killed
 /// process left in its folder, once. Throws `Error` (file_access) where something else than a file is there.
-[[nodiscard]] PendingTarget place_of(const std::filesystem::path& path, WholeFile::Link link);
+[[nodiscard]] PendingTarget target_of(const std::filesystem::path& path, WholeFile::Link link);
 
-/// A name for a temporary file beside `path`: in the same directory, so that renaming is one step; hidden, and no other
-/// process's or call's.
+/// Returns a unique name for a hidden temporary file next to `path`: in the same directory, so that renaming is one
+/// step.
 [[nodiscard]] std::filesystem::path name_beside(const std::filesystem::path& path);
 
 /// Removes a file that `name_beside` named if its writer is gone.
 void remove_if_left_behind(const std::filesystem::path& path) noexcept;
 
-/// For a system's functions that try names: after so many that are taken it is not the name.
+/// For a system's functions that try names: after this many collisions the name is not the cause.
 inline constexpr int kMaxNamesTried = 100;
 
 }  // namespace welkin::platform

@@ -1,4 +1,4 @@
-// What sources of the library need of the standard library and libc++ 14 lacks.
+// Replacements for parts of the standard library that libc++ 14 lacks.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace welkin::platform {
 #ifdef __cpp_lib_bit_cast
 using std::bit_cast;
 #else
-/// As std::bit_cast.
+/// Does what std::bit_cast does.
 template <class To, class From>
 [[nodiscard]] constexpr To bit_cast(const From& from) noexcept {
   static_assert(sizeof(To) == sizeof(From));
@@ -25,7 +25,7 @@ template <class To, class From>
 }
 #endif
 
-/// As std::make_unique_for_overwrite of an array: its values are not initialised.
+/// Does what std::make_unique_for_overwrite does for an array: its values are uninitialized.
 template <class Array>
 [[nodiscard]] std::unique_ptr<Array> make_unique_for_overwrite(std::size_t size) {
   static_assert(std::is_unbounded_array_v<Array>);
@@ -35,7 +35,7 @@ template <class Array>
 #ifdef __cpp_lib_ranges
 namespace ranges = std::ranges;
 #else
-/// Of std::ranges what is used here.
+/// The parts of std::ranges that are used here.
 namespace ranges {
 
 template <class Range, class Out>

@@ -1,4 +1,4 @@
-// Text, whatever C's and C++'s locales and code pages the host has set: numbers, and the names of files.
+// Text, whatever C and C++ locales and code pages the host has set: numbers, and the names of files.
 #pragma once
 
 #include <array>
@@ -19,26 +19,26 @@ namespace welkin::platform {
 
 using std::from_chars;
 
-/// As few digits as tell it from every other double.
+/// Returns the shortest text that identifies the double.
 [[nodiscard]] inline std::string number_text(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
-/// As printf's %.*g (general), %.*f (fixed) or %.*e (scientific) in C's own locale.
+/// Formats a number as printf's %.*g (general), %.*f (fixed) or %.*e (scientific) in the C locale.
 [[nodiscard]] inline std::string number_text(double value, std::chars_format format, int precision) {
   std::array<char, 512> text{};  // DBL_MAX in fixed point takes 309 digits
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, format, precision).ptr};
 }
 
-#else  // libc++ 14 has it for whole numbers alone; where that is used (WebAssembly) C's locale is always its own
+#else  // libc++ 14 has it for integers only; where that is used (WebAssembly) the locale is always C's
 
 [[nodiscard]] inline std::string number_text(double value, std::chars_format format, int precision) {
   const char* const pattern = format == std::chars_format::fixed        ? "%.*f"
                               : format == std::chars_format::scientific ? "%.*e"
                                                                         : "%.*g";
   std::array<char, 512> text{};
-  std::sprintf(text.data(), pattern, precision, value);  // snprintf would bring long doubles: 3 KB that are sent
+  std::sprintf(text.data(), pattern, precision, value);  // snprintf would link long doubles: 3 KB to download
   return text.data();
 }
 
@@ -54,7 +54,7 @@ using std::from_chars;
 
 using std::from_chars;
 
-/// How many of the characters are a decimal number, as `std::from_chars` reads it; 0: none.
+/// Returns the length of the decimal number that the characters begin with, as `std::from_chars` reads it; 0 if none.
 [[nodiscard]] inline std::size_t decimal_length(const char* first, const char* last) {
   const auto digits = [last](const char*& at) {
     const char* const begin = at;
@@ -78,7 +78,7 @@ using std::from_chars;
   return static_cast<std::size_t>(at - first);
 }
 
-/// As std::from_chars, but for infinities and NaN, which are no numbers here.
+/// Parses as std::from_chars does, but rejects infinities and NaN.
 [[nodiscard]] inline std::from_chars_result from_chars(const char* first, const char* last, double& value) {
   const std::string text(first, decimal_length(first, last));
   if (text.empty()) return {first, std::errc::invalid_argument};
@@ -92,7 +92,7 @@ using std::from_chars;
 
 #endif
 
-/// Returns an enumerator's name, of `names` by value, the `last` enumerator's at the end; `otherwise` of other values.
+/// Returns an enumerator's name out of `names`, indexed by value up to `last`; `otherwise` for other values.
 template <auto last, std::size_t count>
 [[nodiscard]] constexpr const char* name_in(const std::array<const char*, count>& names, decltype(last) value,
                                             const char* otherwise) noexcept {
@@ -101,25 +101,25 @@ template <auto last, std::size_t count>
   return index < count ? names[index] : otherwise;
 }
 
-/// A path as UTF-8. (`path::string` has the host's code page on Windows, and fails where that has no such character.)
-/// Elsewhere paths are bytes, and these are they.
+/// Returns a path as UTF-8. (On Windows `path::string` uses the host's code page, and fails for a character that it
+/// lacks.) On other systems the path's bytes are returned unchanged.
 [[nodiscard]] inline std::string utf8(const std::filesystem::path& path) {
   const std::u8string text = path.u8string();
   return {text.begin(), text.end()};
 }
 
-/// A path as UTF-8 with '/' between its parts on every system: for plans, links and names that others read.
+/// Returns a path as UTF-8 with '/' between its parts on every system: for plans, links and names that others read.
 [[nodiscard]] inline std::string generic_utf8(const std::filesystem::path& path) {
   const std::u8string text = path.generic_u8string();
   return {text.begin(), text.end()};
 }
 
-/// The path that UTF-8 names. Throws `Error` (invalid_argument) where the system's paths are characters, as on Windows,
-/// and these bytes are none.
+/// Returns the path that UTF-8 names. Throws `Error` (invalid_argument) if the bytes are invalid and the system's paths
+/// consist of characters, as on Windows.
 [[nodiscard]] std::filesystem::path path_of(std::string_view utf8);
 
 /// Throws `Error` (invalid_argument), "WHAT is VALUE; it must be from LOW to HIGH", for a number out of range or NaN.
-/// Else it allocates nothing.
+/// Otherwise it allocates nothing.
 void require_between(std::string_view what, double value, double low, double high);
 
 }  // namespace welkin::platform

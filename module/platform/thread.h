@@ -1,4 +1,4 @@
-// What the system knows of a thread: its name and rank, and for how many threads it has time.
+// The system's side of threads: their names and priorities, and the number of threads that it runs at a time.
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,21 @@
 
 namespace welkin::detail {
 
-/// That the system keeps of a thread's name.
+/// The characters of a thread's name that the system keeps.
 inline constexpr std::size_t kMaxNameCharacters = 15;
 
-/// Names the calling thread, in no more characters than these.
+/// Names the calling thread. The name has at most `kMaxNameCharacters` characters.
 void name_current_thread(const char* name) noexcept;
 
-/// Lowers the calling thread's rank. It cannot be raised again without privileges, so this is for threads of our own.
-/// Where the system does not let us, the thread stays as it is.
+/// Lowers the calling thread's priority. It cannot be raised again without privileges, so this is for Welkin's threads
+/// only. Where the system refuses, the priority is unchanged.
 void rank_current_thread(ThreadPriority priority) noexcept;
 
-/// Calls `function(argument)`. False if that called `pthread_exit`: the thread goes on here instead of ending, because
-/// oneTBB's frames and `noexcept` ones below would end the process when they are unwound. Exceptions pass through.
+/// Calls `function(argument)`. Returns false if it called `pthread_exit`: the thread continues here instead of ending,
+/// because unwinding oneTBB's frames and `noexcept` ones below would end the process. Exceptions pass through.
 [[nodiscard]] bool returns_from(void (*function)(void* argument), void* argument);
 
-/// Address space that others cannot take while this object lives: threads that are made meanwhile leave so much for the
+/// A reservation of address space, for as long as this object lives: threads made meanwhile leave this much for the
 /// work. Costs no memory.
 class AddressReserve {
  public:
@@ -32,7 +32,7 @@ class AddressReserve {
   AddressReserve(const AddressReserve&) = delete;
   AddressReserve& operator=(const AddressReserve&) = delete;
 
-  /// False if there was less.
+  /// Returns false if there was less.
   [[nodiscard]] bool held() const noexcept { return block_ != nullptr; }
 
  private:
@@ -40,18 +40,18 @@ class AddressReserve {
   std::size_t bytes_;
 };
 
-/// That threads should leave for the work, as a limit on the process's address space (ulimit -v) counts it: stacks of 8
-/// MiB and the heaps that the C library keeps for each thread would take all.
+/// The bytes that threads should leave for the work, as a limit on the process's address space (ulimit -v) counts them:
+/// stacks of 8 MiB and the heaps that the C library keeps per thread would use it all.
 inline constexpr std::size_t kRoomForWork = std::size_t{256} << 20U;
 
-/// Whether the system lets so many more threads be there at once: they are made, and are gone when this returns. For
-/// who makes threads and does not live on where it cannot, as oneTBB does.
+/// Returns whether the system allows this many more threads at once: they are made, and have ended when this returns.
+/// For callers that cannot survive a failure to make threads, as oneTBB cannot.
 [[nodiscard]] bool can_make_threads(int count) noexcept;
 
-/// How many processors the control groups of this process grant it, rounded up, at least 1; 0 where no quota is set.
-/// The least of all groups from the process's own up to the topmost that can be seen counts, by version 2 (`cpu.max`)
-/// and by version 1 (`cpu.cfs_quota_us`, `cpu.cfs_period_us`), of which hybrid systems have both. oneTBB counts
-/// processors by affinity and knows nothing of quotas. `root`: where /proc and the mount points are looked for.
+/// Returns the number of processors that the process's control groups grant, rounded up, at least 1; 0 without a quota.
+/// It is the minimum over all groups from the process's own up to the topmost visible one, by version 2 (`cpu.max`) and
+/// by version 1 (`cpu.cfs_quota_us`, `cpu.cfs_period_us`); hybrid systems have both. oneTBB counts processors by
+/// affinity and ignores quotas. `root`: the folder that holds /proc and the mount points.
 /// Linux: cgroups(7), and Documentation/scheduler/sched-bwc.rst of the kernel's sources.
 [[nodiscard]] int quota_processors(const std::filesystem::path& root = "/");
 

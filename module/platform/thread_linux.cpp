@@ -25,24 +25,24 @@ void rank_current_thread(ThreadPriority priority) noexcept {
   const sched_param none{};
   if (priority == ThreadPriority::normal) return;
   if (priority == ThreadPriority::idle && pthread_setschedparam(pthread_self(), SCHED_IDLE, &none) == 0) return;
-  // A thread made by a real-time one is one too, and has no nice value.
+  // A thread made by a real-time thread is real-time too, and has no nice value.
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &none));
-  // On Linux a thread has a nice value of its own, its maker's at first, and its number stands for a process's here.
+  // On Linux each thread has a nice value, at first its maker's; its number is accepted where POSIX has a process's.
   const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
   static_cast<void>(setpriority(PRIO_PROCESS, thread, std::min(kNicest, getpriority(PRIO_PROCESS, thread) + kNicer)));
 }
 
 namespace {
 
-/// Where a thread goes on that `pthread_exit` unwinds. That is no C++ exception: nobody but glibc's own code, at the
-/// end of the stack, may catch it for good, so the way out leads past it. All that was called from there is unwound by
-/// then.
+/// The point where a thread continues that `pthread_exit` unwinds. That is no C++ exception: only glibc's code at the
+/// end of the stack may catch it for good, so the exit is a jump past it. By then all that was called from there is
+/// unwound.
 class WayBack {
  public:
-  explicit WayBack(std::jmp_buf& place) noexcept : place_(place), exceptions_(std::uncaught_exceptions()) {}
+  explicit WayBack(std::jmp_buf& target) noexcept : target_(target), exceptions_(std::uncaught_exceptions()) {}
   ~WayBack() {
-    // NOLINTNEXTLINE(cert-err52-cpp,modernize-avoid-setjmp-longjmp): there is no other
-    if (!returned && std::uncaught_exceptions() == exceptions_) std::longjmp(place_, 1);
+    // NOLINTNEXTLINE(cert-err52-cpp,modernize-avoid-setjmp-longjmp): there is no other way
+    if (!returned && std::uncaught_exceptions() == exceptions_) std::longjmp(target_, 1);
   }
   WayBack(const WayBack&) = delete;
   WayBack& operator=(const WayBack&) = delete;
@@ -50,17 +50,17 @@ class WayBack {
   bool returned = false;
 
  private:
-  std::jmp_buf& place_;
+  std::jmp_buf& target_;
   int exceptions_;  ///< under way before the call
 };
 
 }  // namespace
 
 bool returns_from(void (*function)(void* argument), void* argument) {
-  std::jmp_buf place;
+  std::jmp_buf target;
   // NOLINTNEXTLINE(cert-err52-cpp,modernize-avoid-setjmp-longjmp): see above
-  if (setjmp(place) != 0) return false;
-  WayBack way_back(place);
+  if (setjmp(target) != 0) return false;
+  WayBack way_back(target);
   function(argument);
   way_back.returned = true;
   return true;
@@ -77,7 +77,7 @@ AddressReserve::~AddressReserve() {
 
 namespace {
 
-/// A thread of `can_make_threads`: stays until all are there.
+/// Runs a thread of `can_make_threads`, which stays until all threads exist.
 void* stay(void* over) {
   static_cast<std::atomic<bool>*>(over)->wait(false);
   return nullptr;
@@ -86,7 +86,7 @@ void* stay(void* over) {
 }  // namespace
 
 bool can_make_threads(int count) noexcept {
-  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's own have 4 MiB
+  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's have 4 MiB
   pthread_attr_t attributes;
   if (pthread_attr_init(&attributes) != 0) return false;
   std::size_t stack = 0;
@@ -101,7 +101,7 @@ bool can_make_threads(int count) noexcept {
     over = true;
     over.notify_all();
     for (std::size_t i = 0; i < made; ++i) pthread_join(threads[i], nullptr);
-  } catch (const std::bad_alloc&) {  // by the vector, before there are threads
+  } catch (const std::bad_alloc&) {  // from the vector, before there are threads
   }
   pthread_attr_destroy(&attributes);
   return made == wanted;

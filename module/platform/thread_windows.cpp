@@ -10,16 +10,16 @@
 namespace welkin::detail {
 
 void name_current_thread(const char* name) noexcept {
-  // Windows 10, version 1607; older ones name no threads.
+  // Windows 10, version 1607 and later; older ones do not name threads.
   using SetDescription = HRESULT(WINAPI*)(HANDLE thread, PCWSTR name);
   const HMODULE library = GetModuleHandleW(L"kernel32.dll");
   if (library == nullptr) return;
-  // By way of void*, because the compiler warns of functions that are cast to others.
+  // Cast through void*, because the compiler warns of casts between function types.
   const auto set_description =
       reinterpret_cast<SetDescription>(reinterpret_cast<void*>(GetProcAddress(library, "SetThreadDescription")));
   if (set_description == nullptr) return;
   wchar_t wide[kMaxNameCharacters + 1] = {};
-  // What was cut within a character of UTF-8 ends in U+FFFD.
+  // A name that was cut within a UTF-8 character ends in U+FFFD.
   if (MultiByteToWideChar(CP_UTF8, 0, name, -1, wide, static_cast<int>(kMaxNameCharacters + 1)) == 0) return;
   static_cast<void>(set_description(GetCurrentThread(), wide));
 }
@@ -30,7 +30,7 @@ void rank_current_thread(ThreadPriority priority) noexcept {
   SetThreadPriority(GetCurrentThread(), idle ? THREAD_PRIORITY_IDLE : THREAD_PRIORITY_LOWEST);
 }
 
-// Threads end by returning: ExitThread unwinds nothing, so that nothing can be put right.
+// Threads end by returning: ExitThread does not unwind, so there is nothing to mend.
 bool returns_from(void (*function)(void* argument), void* argument) {
   function(argument);
   return true;
@@ -45,7 +45,7 @@ AddressReserve::~AddressReserve() {
 
 namespace {
 
-/// A thread of `can_make_threads`: stays until all are there.
+/// Runs a thread of `can_make_threads`, which stays until all threads exist.
 DWORD WINAPI stay(void* over) {
   platform::wait_while(*static_cast<std::atomic<bool>*>(over), false);
   return 0;
@@ -54,7 +54,7 @@ DWORD WINAPI stay(void* over) {
 }  // namespace
 
 bool can_make_threads(int count) noexcept {
-  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's own have 4 MiB
+  constexpr std::size_t kLargestStack = std::size_t{8} << 20U;  // oneTBB's have 4 MiB
   const std::size_t wanted = count > 0 ? static_cast<std::size_t>(count) : 0;
   std::atomic<bool> over{false};
   std::size_t made = 0;
@@ -70,7 +70,7 @@ bool can_make_threads(int count) noexcept {
       WaitForSingleObject(threads[i], INFINITE);
       CloseHandle(threads[i]);
     }
-  } catch (const std::bad_alloc&) {  // by the vector, before there are threads
+  } catch (const std::bad_alloc&) {  // from the vector, before there are threads
   }
   return made == wanted;
 }

@@ -1,5 +1,5 @@
-// Waiting for another thread: for an atomic to change, by std::atomic's own wait where that can be relied on; and for
-// less time than the system takes to put this thread to sleep and to wake it.
+// Waiting for another thread: for an atomic to change, by std::atomic's wait where that is reliable; and for less time
+// than the system takes to put this thread to sleep and to wake it.
 #pragma once
 
 #include <atomic>
@@ -20,21 +20,21 @@ namespace welkin::platform {
 
 #if defined(_WIN32) && defined(__GLIBCXX__)
 
-// Without futexes libstdc++ 12 looks at the value before it takes the lock that it waits with: a change in between
-// wakes nobody.
+// Without futexes libstdc++ 12 reads the value before it takes the lock that it waits with: a change in between wakes
+// no thread.
 
 struct WaitPoint {
   std::mutex mutex;
   std::condition_variable changed;
 };
 
-/// Several atomics may share one: who is woken looks again.
+/// Returns the wait point of an atomic. Several atomics may share one: a woken thread checks its value again.
 inline WaitPoint& wait_point(const void* atomic) noexcept {
   static auto& indices = *new std::array<WaitPoint, 16>;  // never destroyed: threads may outlive main
   return indices[reinterpret_cast<std::uintptr_t>(atomic) / 16 % indices.size()];
 }
 
-/// Returns once the atomic has another value than `old`.
+/// Returns once the atomic differs from `old`.
 template <class Value>
 void wait_while(const std::atomic<Value>& atomic, Value old) {
   WaitPoint& index = wait_point(&atomic);
@@ -42,7 +42,7 @@ void wait_while(const std::atomic<Value>& atomic, Value old) {
   index.changed.wait(lock, [&] { return atomic.load() != old; });
 }
 
-/// After a change: wakes all who wait for one. The atomic may be gone by then; it is not looked at.
+/// Wakes all threads that wait for a change. The atomic may be gone by then; it is not read.
 template <class Value>
 void wake_all(std::atomic<Value>& atomic) {
   WaitPoint& index = wait_point(&atomic);
@@ -52,13 +52,13 @@ void wake_all(std::atomic<Value>& atomic) {
 
 #else
 
-/// Returns once the atomic has another value than `old`.
+/// Returns once the atomic differs from `old`.
 template <class Value>
 void wait_while(const std::atomic<Value>& atomic, Value old) noexcept {
   atomic.wait(old);
 }
 
-/// After a change: wakes all who wait for one.
+/// Wakes all threads that wait for a change.
 template <class Value>
 void wake_all(std::atomic<Value>& atomic) noexcept {
   atomic.notify_all();
@@ -70,8 +70,8 @@ void wake_all(std::atomic<Value>& atomic) noexcept {
 
 namespace welkin::detail {
 
-/// Tells the processor that this thread does nothing but look at a value again and again: it leaves the core's units to
-/// the other thread of the core, and sees the value change sooner.
+/// Hints to the processor that this thread only polls a value: the core's other hardware thread gets its units, and the
+/// change is seen sooner.
 inline void pause_processor() noexcept {
 #if defined(__SSE2__) || defined(_M_X64)
   _mm_pause();
@@ -80,12 +80,12 @@ inline void pause_processor() noexcept {
 #endif
 }
 
-/// Asks `done()` again and again for about `time`, and keeps the processor meanwhile. Returns the last answer. It is
-/// for where another processor does the work: on a machine with a single one, nothing comes of it.
+/// Polls `done()` for about `time` without yielding the processor. Returns the last result. For work that another
+/// processor does: on a machine with a single one it achieves nothing.
 template <class Done>
 bool spin_until(const Done& done, std::chrono::nanoseconds time) {
   using Clock = std::chrono::steady_clock;
-  constexpr int kLooks = 16;  // between two readings of the clock, which take longer than a look
+  constexpr int kLooks = 16;  // per reading of the clock, which takes longer than a look
   const auto end = Clock::now() + time;
   do {
     for (int look = 0; look < kLooks; ++look) {

@@ -1,4 +1,4 @@
-// Files that are whole or not there.
+// Files that appear as a whole or not at all.
 #include <cerrno>
 #include <cstring>
 #include <exception>
@@ -13,18 +13,18 @@ namespace welkin::platform {
 WholeFile::WholeFile(std::filesystem::path path, std::vector<std::byte>* memory, Link link)
     : path_(std::move(path)), memory_(memory) {
   if (memory_ != nullptr) return;
-  const PendingTarget place = place_of(path_, link);
-  pending_ = std::make_unique<PendingFile>(place.path);
+  const PendingTarget target = target_of(path_, link);
+  pending_ = std::make_unique<PendingFile>(target.path);
   if (!pending_->make()) fail("cannot be written in that directory", pending_->why());
   if (!pending_->open_stream()) fail("cannot be opened for writing", pending_->why());
-  if (place.permissions) pending_->set_permissions(*place.permissions);
+  if (target.permissions) pending_->set_permissions(*target.permissions);
 }
 
 WholeFile::~WholeFile() = default;
 
 void WholeFile::write(const void* bytes, std::size_t count) {
   if (count == 0) {
-    return;  // an empty vector's bytes may be at no address, which fwrite may not be given
+    return;  // an empty vector's data may be null, which fwrite may not be given
   }
   if (memory_ != nullptr) {
     write_to_memory(bytes, count);

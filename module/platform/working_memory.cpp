@@ -22,36 +22,36 @@ namespace welkin::platform {
 
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-  constexpr std::size_t least = std::size_t{2} << 20U;
-  if (memory == nullptr || bytes < least) return;
+  constexpr std::size_t minimum = std::size_t{2} << 20U;
+  if (memory == nullptr || bytes < minimum) return;
   static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));  // 4 KiB; on ARM also 16 or 64
   const auto address = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t first = (address + page - 1) / page * page;  // madvise takes whole pages only
   const std::uintptr_t last = (address + bytes) / page * page;
-  // It is advice: where it is refused, small pages do.
+  // A hint only: where it is refused, small pages are used.
   static_cast<void>(madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE));
 #endif
 }
 
 namespace {
 
-// Blocks below a mebibyte, cut from huge pages that several of them share.
+// Blocks below 1 MiB, cut from huge pages that several of them share.
 //
 // The first touch of a huge page takes as long as that of 25 to 50 small ones (84 us against 1.7 to 3.4 us, on a
-// virtual machine with a Zen 5), and the small buffers of a first call have more than a thousand small pages.
+// virtual machine with a Zen 5), and the small buffers of a first call span more than a thousand small pages.
 namespace shared_pages {
 
 constexpr std::size_t kBytes = std::size_t{2} << 20U;  ///< of a page
-constexpr std::size_t kMaxPages = 64;                  ///< pages, those in use among them
+constexpr std::size_t kMaxPages = 64;                  ///< including those in use
 
 constexpr std::size_t kUnit = kBytes / 64;
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr std::align_val_t kAlignment{kHugePage};
 
-/// A page in 64 units. The thread that clears bits of `free` owns these units; the one that clears all of them owns the
+/// A page in 64 units. The thread that clears bits of `free` owns these units; one that clears all of them owns the
 /// page.
 struct Page {
-  std::atomic<std::uint64_t> free{0};  ///< a bit for each unit; 0 without memory
+  std::atomic<std::uint64_t> free{0};  ///< one bit per unit; 0 without memory
   std::atomic<bool> taken{false};      ///< has memory, or is about to
   char* data = nullptr;
 };
@@ -61,9 +61,9 @@ std::array<Page, kMaxPages>& pages() {
   return all;
 }
 
-/// Returns the bits of the lowest run of that many free units; 0 where there is none.
+/// Returns the bits of the lowest run of that many free units; 0 if there is none.
 std::uint64_t run_of(std::uint64_t free, unsigned units) noexcept {
-  for (unsigned length = 1; length < units;) {  // a bit stays where so many follow
+  for (unsigned length = 1; length < units;) {  // a bit stays set where a run of `length` starts
     const unsigned more = std::min(length, units - length);
     free &= free >> more;
     length += more;
@@ -80,8 +80,8 @@ WorkingMemory block_of(std::size_t index, std::uint64_t run) noexcept {
           .page = static_cast<int>(index)};
 }
 
-/// Returns a block of at least `bytes` bytes, at most half a page: from a page with room for it, or from a new one. Its
-/// data is null where there are `kMaxPages` pages already or there is no memory for one more. Takes no lock.
+/// Returns a block of at least `bytes` bytes, at most half a page, from a page with enough free units or from a new
+/// one. Its data is null where there are `kMaxPages` pages already or there is no memory for one more. Takes no lock.
 WorkingMemory take(std::size_t bytes) noexcept {
   const auto units = static_cast<unsigned>((bytes + kUnit - 1) / kUnit);
   for (std::size_t index = 0; index < kMaxPages; ++index) {
@@ -141,15 +141,15 @@ bool free_one() noexcept {
 
 constexpr std::size_t kMaxBlocks = 256;
 
-/// Address sanitizers find uses of memory that was freed, and memory of WebAssembly is never returned to its host: both
-/// leave blocks to the heap.
+/// Address sanitizers detect uses of freed memory, and WebAssembly's memory is never returned to its host: both leave
+/// blocks to the heap.
 #if WELKIN_ADDRESS_SANITIZER || defined(__wasm__)
 constexpr std::size_t kDefaultLimit = 0;
 #else
 constexpr std::size_t kDefaultLimit = std::size_t{128} << 20U;
 #endif
 
-/// Bytes to allocate for a request: sizes are few, so that a block serves requests that differ little, and at most an
+/// Rounds the size of a request up: sizes are few, so that a block serves requests that differ little. At most an
 /// eighth is lost, or a part of the last huge page.
 std::size_t rounded_up(std::size_t bytes) noexcept {
   std::size_t step = std::max(kMinOwnBlock / 8, kHugePage);
@@ -167,12 +167,12 @@ void free_block(const WorkingMemory& block) noexcept {
   ::operator delete (block.data, std::align_val_t{block.alignment});
 }
 
-/// Blocks that nobody uses. No call waits for its lock: where another thread has it, or had it when this process was
+/// Blocks that are not in use. No call waits for its lock: where another thread has it, or had it when this process was
 /// forked, blocks come from the heap and return to it.
 class Pool {
  public:
   [[nodiscard]] std::size_t limit() const noexcept { return limit_.load(std::memory_order_relaxed); }
-  /// Counts all that is kept, in shared pages too.
+  /// Counts all kept bytes, those in shared pages too.
   [[nodiscard]] std::size_t bytes() const noexcept {
     return bytes_.load(std::memory_order_relaxed) + shared_pages::unused_bytes();
   }
@@ -182,7 +182,7 @@ class Pool {
     shrink_to(limit);
   }
 
-  /// The smallest block that serves, the newest of those; none: a null pointer.
+  /// Returns the smallest block that serves, and the newest of equal ones; a null block if there is none.
   [[nodiscard]] WorkingMemory take(std::size_t bytes) noexcept {
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) return {};
@@ -194,7 +194,7 @@ class Pool {
     return best == count_ ? WorkingMemory{} : remove(best);
   }
 
-  /// Keeps a block in place of the oldest ones, or frees it.
+  /// Keeps a block, freeing the oldest ones for it, or frees it.
   void give(const WorkingMemory& block) noexcept {
     for (bool done = false; !done;) {
       WorkingMemory goes = block;
@@ -217,9 +217,8 @@ class Pool {
     }
   }
 
-  /// Frees the oldest blocks, and then shared pages, until at most `bytes` are kept. Returns whether any was freed. It
-  /// looks again for a while where another thread has the lock, which that holds for as long as a list of 256 numbers
-  /// takes.
+  /// Frees the oldest blocks, and then shared pages, until at most `bytes` are kept. Returns whether any was freed.
+  /// Retries for a while if another thread has the lock, which is held no longer than a list of 256 numbers takes.
   bool shrink_to(std::size_t bytes) noexcept {
     constexpr int kLooks = 1000;
     bool freed = false;
