@@ -121,7 +121,7 @@ shaded = np.zeros_like(lit[0])
 
 harmonics = welkin.project(image, bands=3).radiance.irradiance().lambertian()
 many = welkin.project(image, bands=16).radiance.irradiance().lambertian()
-# Of Lambert's lobe, by as many bands as its bound asks for (`welkin.irradiance` and bakes take three).
+# Lambert's lobe, by as many bands as its bound needs (`welkin.irradiance` and bakes use three).
 irradiance = np.asarray(welkin.prefilter(image, size=64, lobe="lambert", mips=1).levels[0], np.float64)
 print("| surface | shading | rms difference, percent | noise of Cycles | of the mean |\n|---|---|---|---|---|")
 

@@ -1,4 +1,4 @@
-# Harmonics beside SciPy (its basis and integrals) and SymPy (Gaunt's coefficients, in rational arithmetic).
+# Harmonics compared with SciPy (its basis and integrals) and SymPy (Gaunt's coefficients, in rational arithmetic).
 #
 #   python harmonics.py
 #

@@ -111,7 +111,7 @@ for (const one of found) {
   const kind = Object.keys(ALLOWED).find((each) => one.name.startsWith(each));
   let wanted = one.cube ? truth.cube : truth.flat;
   let allowed = ALLOWED[kind];
-  if (!kind) { // blocks: WebGL's decoder beside ours
+  if (!kind) { // blocks: WebGL's decoder against ours
     if (one.name.startsWith("bc6h")) wanted = floats("bc6h.f32"), allowed = 2 ** -9;
     else wanted = floats(one.name.replace(/(_zstd)?\.ktx2$/, ".f32")), allowed = 2 ** -9;
   }

@@ -93,7 +93,7 @@ function labelPlaces() {
   return { place, keepFree, takes };
 }
 
-/** A power of ten in percent; with an exponent where zeros would not fit beside the axis. */
+/** A power of ten in percent; with an exponent where zeros would not fit next to the axis. */
 function percentOfPower(value) {
   const power = Math.round(Math.log10(value)) + 2;
   return power < -3 ? `1e${power} %` : `${(100 * value).toFixed(Math.max(0, -power))} %`;
@@ -182,7 +182,7 @@ function legendOf(series) {
   return [svg, y + LEGEND_ROW - HEIGHT];
 }
 
-/** An SVG picture of a pass's measurements, as the JSON of a report has them; "" if there is nothing to draw. */
+/** An SVG image of a pass's measurements, as the JSON of a report has them; "" if there is nothing to draw. */
 function plotSvg(pass, measurements, machine) {
   const drawn = measurements.filter(isDrawn);
   if (drawn.length === 0) return "";

@@ -1,5 +1,5 @@
-// What a user of our files writes for Babylon.js: load one, light some spheres with it. Bundled by client.mjs, which drives
-// it through `window.client`.
+// The code of a user of our files in Babylon.js: loads one, and lights spheres with it. Bundled by client.mjs, which drives it
+// through `window.client`.
 import {
   AppendSceneAsync, ArcRotateCamera, Color3, Color4, Constants, CubeTexture, Engine, HDRCubeTexture, MeshBuilder,
   PBRMaterial, RenderTargetTexture, Scene, Vector3,
@@ -61,7 +61,7 @@ async function exact(scene, url, irradiance) {
   return texture;
 }
 
-/** The texture of each sphere, the same for all of them unless they are the truth; and where the image's centre lies. */
+/** The texture of each sphere, the same for all of them unless they are the reference; and the direction of the image's centre. */
 async function open(scene, source) {
   if (source.kind === "truth") {
     const irradiance = await environment(scene, source.irradiance);

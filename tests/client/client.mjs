@@ -4,11 +4,11 @@
 //                   [--shared HDR_DIR] [--most IMAGES] [--all-wrong] [--figure FILE.png [--figure-of IMAGE.hdr]] [--record]
 //                   [--spheres FOLDER [--figure-of IMAGE.hdr]]
 //
-// For every image: `welkin bake IMAGE.hdr -o DIR ...`, spheres lit by what that wrote, the same spheres lit by the engine's
-// own prefilter of the image, and the same by cubemaps that hold each sphere's own roughness (the truth). How far they are
-// apart, and whether that is allowed. A file that is mirrored must be seen to be; with --all-wrong, of the first image also
-// those that are turned or have other mips. three.js must not prefilter what we have. Exit code 1 if anything is not as it should
-// be. Where WELKIN_RANDOM_TRIALS is set, --most is no limit.
+// Draws, for every image, spheres that the files of `welkin bake IMAGE.hdr -o DIR ...` light, the same spheres lit by the
+// engine's own prefilter of the image, and the same lit by cubemaps that hold each sphere's own roughness (the reference).
+// Prints how far they differ, and checks that against the bounds. The check must also fail for a mirrored file; with
+// --all-wrong, for the first image, also for rotated files and for files with other mips. three.js must not prefilter our
+// files. Exit code 1 if a check fails. If WELKIN_RANDOM_TRIALS is set, --most is no limit.
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
 import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -56,7 +56,7 @@ function serve(folders) {
 async function openPage(url) {
   const launch = () => chromium.launch({
     executablePath: flag("--browser"),
-    // No graphics card is asked for: SwiftShader draws, the same everywhere.
+    // SwiftShader draws on the CPU, the same on every machine.
     args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--ignore-gpu-blocklist", "--disable-background-networking"],
   });
@@ -90,7 +90,7 @@ const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignor
 
 /** Bakes `image` into a folder; returns where its specular chain is, as the page sees it. */
 function bake(image, folder, of, ...options) {
-  // Of the files only an .env has diffuse light beside its chain.
+  // Only an .env has diffuse light in addition to its chain.
   run("bake", join(files, image), "-o", join(files, folder), ...(of.endsWith(".env") ? [] : ["--irradiance", "0"]),
       "--no-brdf", "--no-previews", "--background-size", "16", ...(options.includes("--size") ? [] : ["--size", `${SIZE}`]), ...options);
   return `/${folder}/${of}`;
@@ -143,8 +143,8 @@ function check(holds, message) {
   if (!holds) failures.push(message);
 }
 
-// What was measured last, by engine, image and row; with --record it is written again. Allowed is half as much again, and
-// a thousandth: what is left to other versions of Chromium.
+// The last measurements by engine, image and row; --record writes them again. An error may be 1.5 times its measurement
+// plus a thousandth, which leaves a margin for other versions of Chromium.
 const RECORD = join(here, "measured.json");
 const measured = existsSync(RECORD) ? JSON.parse(readFileSync(RECORD, "utf8")) : {};
 const found = {};

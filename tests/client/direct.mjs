@@ -1,4 +1,4 @@
-// The truth's own check: a chain's texels against the sum over all pixels of the image.
+// Checks the reference: a chain's texels against the sum over all pixels of the image.
 import { readFileSync } from "node:fs";
 import { pixelsOf, prefiltered, readPfm } from "./integral.js";
 

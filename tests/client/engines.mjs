@@ -1,12 +1,12 @@
-// What is asked of each engine: which of our files it loads, what is baked wrongly on purpose, and how far off the spheres
-// may be.
+// The cases of each engine: the files of ours that it loads, files that are wrong on purpose, and bounds on the errors of
+// the spheres.
 import { SPHERES } from "./spheres.js";
 
 /** Texels along an edge of a cubemap's face: ours and the engine's own. three.js makes none that is smaller. */
 export const SIZE = 256;
 /** Pixels across an image: as many as go round such a cubemap. three.js chooses its cubemap's size by them. */
 export const IMAGE_WIDTH = 4 * SIZE;
-/** Texels along an edge of the truth's faces. */
+/** Texels along an edge of the reference's faces. */
 export const TRUTH = 512;
 
 /** Ways to bake a file that is not the image's; a name and options of `welkin bake`. */
@@ -18,7 +18,7 @@ const WITHOUT_LAST = [0, 1, 2, 3, 4].map((mip) => `${1 - Math.sqrt(1 - mip / 5)}
 
 export const ENGINES = {
   babylon: {
-    // The .env has the mips and the roughness that Babylon.js looks for whatever is asked for.
+    // The .env always has the mips and the roughness that Babylon.js expects, whatever the options.
     files: [{ name: "env", kind: "env", of: "environment.env", options: ["--formats", "env"], wrong: TURNED },
             { name: "dds", kind: "dds", of: "specular.dds", options: ["--for", "babylon", "--formats", "dds"],
               wrong: [MIRRORED, ["with another schedule", "--roughness", "filament"], ["of five mips", "--mips", "5"]] },
@@ -46,11 +46,11 @@ export const ENGINES = {
       if (ours) return passes === 1 && draws === SPHERES.length && prefilters.length === 0;
       return passes > 1 && draws > SPHERES.length && prefilters.length > 0;
     },
-    /** The truth is summed once more where lobes are much wider than a pixel; it may be off by this. */
+    /** The reference is checked by a direct sum where lobes are much wider than a pixel, within this bound. */
     direct: { roughness: [0.375, 0.75], allowed: 0.001 },
   },
   playcanvas: {
-    // 512 texels, as EnvLighting.generateAtlas makes unless asked for more.
+    // 512 texels, the default of EnvLighting.generateAtlas.
     files: [{ name: "atlas", kind: "atlas", of: "env_atlas.json", options: ["--for", "playcanvas"],
               wrong: [...TURNED, ["with PlayCanvas' schedule", "--roughness", "0,0.18,0.36,0.55,0.73,0.91"],
                       ["with another schedule", "--roughness", "0,0.1,0.2,0.4,0.6,1"]] }],

@@ -1,6 +1,6 @@
 // The table of docs/guides/engine_files.md: what a page waits for until the first frame that a file lights, by three.js.
 //
-//   node first_frame.mjs --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR --picture FILE.hdr [--runs 5] [--only uastc|halves|exr|hdr]
+//   node first_frame.mjs --modules DIR --browser CHROMIUM --welkin WELKIN --work DIR --image FILE.hdr [--runs 5] [--only uastc|halves|exr|hdr]
 //
 // DIR of --modules is a folder of client_test.sh's, or another with three, esbuild and playwright-core in node_modules. For
 // each file: bytes, the median of the time from its request to pixels over a loopback and over 20 Mbit/s with 40 ms,
@@ -23,7 +23,7 @@ const { build } = (await load("esbuild")).default;
 
 mkdirSync(work, { recursive: true });
 const run = (...words) => execFileSync(flag("--welkin"), words, { stdio: ["ignore", "ignore", "inherit"] });
-const image = flag("--picture");
+const image = flag("--image");
 run("bake", image, "-o", join(work, "plain"), "--for", "three", "--no-previews", "--size", "256");
 run("bake", image, "-o", join(work, "packed"), "--for", "three", "--no-previews", "--size", "256", "--supercompression", "zstd");
 run("convert", image, join(work, "picture.exr"));

@@ -1,5 +1,5 @@
-// How soon a page has its first lit frame by a file, and what textures that takes of the GPU. Bundled by
-// first_frame.mjs, which opens the page anew for each file.
+// Measures how soon a page draws its first frame that a file lights, and the GPU memory of its textures. Bundled by
+// first_frame.mjs, which opens the page again for each file.
 import * as THREE from "three";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";

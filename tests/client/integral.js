@@ -1,5 +1,5 @@
-// The truth by three.js's conventions and none of Welkin's: the integral that a prefiltered texel stands for, summed over all
-// pixels of an image.
+// The reference in three.js's conventions and none of Welkin's: the integral that a prefiltered texel holds, summed over
+// all pixels of an image.
 
 /** A .pfm in colour from its bytes: rows from below to above, little-endian. */
 export function readPfm(bytes) {

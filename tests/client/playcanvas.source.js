@@ -1,4 +1,4 @@
-// What a user of our files writes for PlayCanvas: load an atlas, light some spheres with it. Bundled by client.mjs, which
+// The code of a user of our files in PlayCanvas: loads an atlas, and lights spheres with it. Bundled by client.mjs, which
 // drives it through `window.client`.
 import * as pc from "playcanvas";
 import { read } from "ktx-parse";
@@ -28,7 +28,7 @@ async function panorama(url, size) {
   return made;
 }
 
-/** A cubemap of floats in the world's axes, for the truth: mip 0 of a chain. */
+/** A cubemap of floats in the world's axes, for the reference: mip 0 of a chain. */
 async function texels(url) {
   const { pixelWidth: size, levels, vkFormat } = read(new Uint8Array(await (await fetch(url)).arrayBuffer()));
   if (vkFormat !== 109) throw new Error(`${url} has Vulkan's format ${vkFormat}, not R32G32B32A32_SFLOAT`);
@@ -40,7 +40,7 @@ async function texels(url) {
   });
 }
 
-/** Where the shader would look the atlas up, it looks the truth's cubemaps up instead, by the world's direction. */
+/** Instead of the atlas, the shader looks up the reference's cubemaps, by directions of the world. */
 const EXACT = {
   reflectionEnvPS: `
     uniform float material_reflectivity;

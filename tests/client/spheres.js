@@ -1,4 +1,4 @@
-// What both engines draw: nine spheres in a row, and a figure that puts rows below each other.
+// The scene of all engines, nine spheres in a row, and a figure with several rows.
 
 /** Seven of white metal, from the mirror to the roughest, a grey plastic one and a matte white one. */
 export const SPHERES = [

@@ -1,5 +1,5 @@
-// What a user of our files writes for three.js: load one, light some spheres with it. Bundled by client.mjs, which drives
-// it through `window.client`.
+// The code of a user of our files in three.js: loads one, and lights spheres with it. Bundled by client.mjs, which drives it
+// through `window.client`.
 import * as THREE from "three";
 import { DDSLoader } from "three/addons/loaders/DDSLoader.js";
 import { HDRLoader } from "three/addons/loaders/HDRLoader.js";
@@ -33,7 +33,7 @@ async function transcoded(url, renderer) {
   return Object.assign(await loader.loadAsync(url), { isPMREMTexture: true });
 }
 
-/** A chain in floats, for the truth. */
+/** A chain in floats, for the reference. */
 async function texels(url) {
   const { pixelWidth, levels, vkFormat } = read(new Uint8Array(await bytesOf(url)));
   if (vkFormat !== 109) throw new Error(`${url} has Vulkan's format ${vkFormat}, not R32G32B32A32_SFLOAT`);
@@ -60,9 +60,9 @@ const IRRADIANCE = "textureLod( envMap, envMapRotation * worldNormal, ENVMAP_MAX
 const END = "gl_FragColor = vec4( outgoingLight, diffuseColor.a );";
 
 /**
- * What a shader is changed to, by chunk: to look everything up in mip 0, whatever the roughness (`exact`, the truth for one
- * sphere); to show where it looks instead (`directions`, `normals`); or to take light from an image, pixel by pixel, where it
- * would look up reflections and the light that falls on it (`given`).
+ * Changes to chunks of shaders: to look everything up in mip 0, whatever the roughness (`exact`, the reference for one
+ * sphere); to show the directions of its lookups (`directions`, `normals`); or to read reflected and diffuse light from
+ * an image, pixel by pixel, instead of looking it up (`given`).
  */
 const CHANGES = {
   ours: [],
@@ -75,7 +75,7 @@ const CHANGES = {
           ["envmap_physical_pars_fragment", IRRADIANCE, "texelFetch( irradianceGiven, ivec2( gl_FragCoord.xy ), 0 )"]],
 };
 
-/** Takes out of the shader that a sphere's roughness grows with its curvature from pixel to pixel, and makes the changes. */
+/** Removes from the shader the growth of roughness with the curvature between pixels, and makes the changes. */
 function settle(material, kind, uniforms = {}) {
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);

@@ -5,8 +5,8 @@ CHECK is one of
   links   every link leads to a file that is there, and to a heading that it has; every page under docs/ is in
           mkdocs.yml and can be reached from docs/index.md; docs/... paths that sources name exist; HTML pages that
           are printed whole are those of examples/start
-  words   no page, public header, text of the command, message of the library and comment in PLAIN_FOLDERS uses a word
-          of FORBIDDEN, outside of code and of EXCEPTIONS; no comment there opens with a word of OPENINGS
+  words   no page, comment, text of the command or message of the library uses a word of FORBIDDEN, outside of code and of
+          EXCEPTIONS; no comment in a source or script opens with a word of OPENINGS
   size    pages for users have at most 45 000 words, README.md 100 lines, CONTRIBUTING.md two screens
   version everything that states Welkin's version states that of CMakeLists.txt
 """
@@ -74,13 +74,8 @@ EXCEPTIONS = [
     ("perf/report/report_files.cpp", "truth", "a key of the report's JSON and CSV"),
 ]
 
-# Folders whose comments are held to the same words, and may not hang on the line before. The others follow.
-PLAIN_FOLDERS = tuple(f"module/{room}" for room in (
-    "c", "harmonics", "importance", "jobs", "math", "projection", "simd", "transform")) + tuple(
-    f"tests/{folder}" for folder in (
-        "bake", "c", "cache", "files", "jobs", "platform", "portability", "probes", "reflections", "support", "textures",
-        "tools", "worker"))
-OPENINGS = r"^//[/!]?<? ?(?:Of|What|The same|Those|As above|Whoever|Whatever|Likewise)\b"
+# A comment that opens with one of these hangs on the line before.
+OPENINGS = r"^(?://[/!]?<?|#) ?(?:Of|What|The same|Those|As above|Whoever|Whatever|Likewise)\b"
 
 USER_FOLDERS = ("tutorials", "guides", "reference", "explanation")
 MOST_WORDS_FOR_USERS = 45_000
@@ -125,6 +120,12 @@ def comments(text):
             inside = "*/" not in kept[-1]
         else:
             kept.append(line[line.index("//"):] if "//" in line else "")
+    return re.sub(r"`[^`\n]*`", "`", "\n".join(kept))
+
+
+def hash_comments(text):
+    """The comments of a script; the same number of lines."""
+    kept = ["".join(re.findall(r"(?:^|\s)(# .*)$", line)) for line in text.split("\n")]
     return re.sub(r"`[^`\n]*`", "`", "\n".join(kept))
 
 
@@ -219,14 +220,17 @@ def check_words(source):
     readers += [(path, str) for path in tracked(source, "tools/help/*.txt", "tools/engines/*.md")]
     readers += [(path, strings) for path in tracked(source, "tools/*.cpp", "module/*.cpp", "module/*.h", "perf/report/*.cpp",
                                                     "bindings/python/source/*.cpp")]
-    plain = {path for path in tracked(source, *(f"{folder}/*.{kind}" for folder in PLAIN_FOLDERS
-                                                for kind in ("cpp", "h", "c")))}
-    readers += [(path, comments) for path in sorted(plain)]
+    plain = [(path, comments) for path in tracked(source, *(f"{folder}/*.{kind}" for kind in ("cpp", "h", "c")
+                                                            for folder in ("module", "perf", "tests", "tools")))]
+    plain += [(path, comments) for path in tracked(source, "*.mjs", "*.js")]
+    plain += [(path, hash_comments) for path in tracked(source, "scripts/*", ".ci/run", "*.sh", "*.py", "*.cmake",
+                                                        "*CMakeLists.txt")]
+    readers += plain
     for path, words_of in readers:
         name = path.relative_to(source).as_posix()
         text = words_of(path.read_text(encoding="utf-8"))
         lines = text.split("\n")
-        if path in plain and words_of is comments:
+        if (path, words_of) in plain:
             faults += [f"{name}:{number}: opens with a word that needs the line before: {line[:100]}"
                        for number, line in enumerate(lines, 1) if re.search(OPENINGS, line)]
         for word, instead in FORBIDDEN.items():

@@ -3,9 +3,9 @@
 //   node record.mjs --modules DIR > ../data/engines.json          DIR holds node_modules (npm ci)
 //   node record.mjs --modules DIR --check ../data/engines.json    exit code 1 unless the same comes out, to within 1e-9
 //
-// Nothing of theirs is transcribed here: every number comes out of @babylonjs/core or three, of three.js's shader too,
-// whose text is run. What a graphics card would do (rasterise, filter a texture, hand pixels back) is stood in for. The
-// images are made again by the tests, from the formula in `radiance`.
+// No code of theirs is transcribed here: every number comes out of @babylonjs/core or three. Even three.js's shader is run
+// from its text; only the GPU's work (rasterizing, filtering a texture, reading pixels back) is emulated. The tests make
+// the same images from the formula in `radiance`.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { resolve } from "node:path";

@@ -78,7 +78,7 @@ function read(path) {
   return { texture, target, images: uploads };
 }
 
-/** libktx's images of a KTX2 file beside what ktx-parse finds in it. */
+/** Compares libktx's images of a KTX2 file with those of ktx-parse. */
 function compareWithParser(path) {
   const { texture, images } = read(path);
   const file = ktxParse.read(bytesOf(path));
@@ -101,7 +101,7 @@ function compareWithParser(path) {
   return images.length;
 }
 
-/** Texels of a sample, level after level, beside the floats that were written. */
+/** Compares the texels of a sample, level after level, with the floats that were written. */
 function compareTexels(name, floats, { array, rgb, tolerance }) {
   const wanted = new Float32Array(bytesOf(join(samples, floats)).buffer);
   const images = read(join(samples, name)).images.sort((a, b) => a.level - b.level || a.face - b.face);

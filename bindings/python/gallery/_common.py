@@ -1,4 +1,4 @@
-"""What the scripts of the gallery share: where pictures go, and light for who has none at hand."""
+"""Shared by the scripts of the gallery: the folder of their images, and light for those without an environment."""
 import argparse
 import pathlib
 
@@ -12,7 +12,7 @@ import welkin  # noqa: E402
 
 
 def arguments(about, *inputs):
-    """The folder that pictures go to, and files or folders of the user's, each of which may be left out."""
+    """The output folder for images, and the user's files or folders, each of which may be omitted."""
     parser = argparse.ArgumentParser(description=about)
     parser.add_argument("folder", nargs="?", default=".", type=pathlib.Path, help="where the picture is written")
     for name in inputs:

@@ -1,4 +1,4 @@
-"""A day of skies: pictures from night to noon to night, and the light on the ground by the hour.
+"""A day of skies: images from night to noon to night, and the light on the ground by the hour.
 
     python day_of_skies.py [FOLDER]
 """

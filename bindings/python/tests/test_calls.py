@@ -12,7 +12,7 @@ import pytest
 
 import welkin
 
-LONG = {"size": 16, "method": "reference"}  # minutes, if nobody stops it
+LONG = {"size": 16, "method": "reference"}  # minutes, unless stopped
 
 
 @pytest.fixture(scope="module")

@@ -69,7 +69,7 @@ def test_no_type_is_copied_in(kind, channels):
         ("(6 * 1024, 1024, 3)", "dict(layout='vertical-strip')"),
         ("(1024, 6 * 1024, 3)", "dict(layout='horizontal-strip')"),
         ("(3 * 1024, 4 * 1024, 3)", "dict(layout='horizontal-cross')"),
-        ("(4 * 1024, 3 * 1024, 3)", "dict(layout='vertical-cross')"),  # one face of twelve is turned, and copied
+        ("(4 * 1024, 3 * 1024, 3)", "dict(layout='vertical-cross')"),  # one face of twelve is rotated, and copied
     ],
 )
 def test_no_layout_is_copied_in(shape, options):

@@ -1,4 +1,4 @@
-"""Importance tables, octahedral maps, lobes of one's own, and many cubemaps at once."""
+"""Importance tables, octahedral maps, zonal lobes, and many cubemaps at once."""
 import numpy as np
 import pytest
 

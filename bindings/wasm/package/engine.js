@@ -20,7 +20,7 @@ const CODES = ['invalid_argument', 'rejected_pixel', 'file_access', 'corrupt_fil
   'cancelled', 'replaced', 'queue_full', 'stopped'];
 const OTHER_CODES = { 1000: 'out_of_memory', 1001: 'unexpected' };
 
-/** `PixelFormat` of include/welkin/image.h, and bytes a texel. */
+/** `PixelFormat` of include/welkin/image.h, and bytes per texel. */
 export const FORMATS = {
   rgb32f: [0, 12], rgba32f: [1, 16], rgb16f: [2, 6], rgba16f: [3, 8], rgb8: [4, 3], rgba8: [5, 4], srgb8: [6, 3],
   srgba8: [7, 4],
@@ -43,8 +43,7 @@ function numberOf(list, name, what) {
   return index;
 }
 
-/** What a standalone module imports of a system. There are no files and no arguments; whatever else is asked for is not
- * there. */
+/** The system calls that a standalone module imports. There are no files and no arguments; all other calls fail. */
 function systemFor(memory) {
   const kNotThere = 52; // ENOSYS, as WASI numbers it
   const zeros = (...places) => {
@@ -226,7 +225,7 @@ function backgroundOf(instance, index, { floats, mirrorX }) {
   return { size, format: floats ? 'rgba32f' : 'rgba16f', mirrored: Boolean(mirrorX), faces };
 }
 
-/** Calls an entry of the module of textures with a chain: floats, texels an edge, mips, and options behind them. */
+/** Calls an entry of the module of textures with a chain: floats, texels per edge, mips, and options behind them. */
 function packed(textures, entry, floats, size, mips, numbers, rest) {
   const chain = textures.put([floats]);
   const more = textures.put([Float64Array.from(numbers)]);

@@ -137,8 +137,8 @@ function formatOf(part, channels, { format, linear }) {
 
 const BYTES = { rgb32f: 12, rgba32f: 16, rgb16f: 6, rgba16f: 8, rgb8: 3, rgba8: 4, srgb8: 3, srgba8: 4 };
 
-/** Six faces, or all in one array: their size is told from how many values there are, as no number is three times a
- * square and four times another. */
+/** Six faces, or all in one array: the number of values determines their size and channels, as no number is three
+ * times a square and four times another. */
 function cubemapSource(faces, options) {
   const parts = Array.isArray(faces) ? faces : [faces];
   if (parts.length !== 1 && parts.length !== 6) {
@@ -159,7 +159,7 @@ function equirectSource(pixels, { width, height, ...options }) {
   return { pixels: [pixels], width, height, format: formatOf(pixels, channels, options) };
 }
 
-/** What a worker is told of a caller's options: no functions and no signals. */
+/** A caller's options as sent to a worker: without functions and signals. */
 function plain({ signal, onProgress, transfer, ...options }) {
   return options;
 }

@@ -6,7 +6,7 @@ const SOURCE = [...PIXELS, 'format', 'linear'];
 const EQUIRECT = ['width', 'height'];
 const PROJECTION = ['bands', 'quadrature', 'targetSize'];
 
-/** Options of a chain that go to the library, in the order of `ChainOption` in source/chains.h: 'number' (0 asks for
+/** Options of a chain that go to the library, in the order of `ChainOption` in source/chains.h: 'number' (0 means
  * the default), 'flag', or the names of an enumeration, in its order, with the default. */
 export const CHAIN_NUMBERS = {
   size: 'number',

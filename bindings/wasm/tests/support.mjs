@@ -7,7 +7,7 @@ import { modules, packageFolder } from './places.mjs';
 
 export * from './places.mjs';
 
-/** A file of a package that the tests run beside ours. */
+/** A file of a package that the tests run next to ours. */
 export const companion = (name) => import(pathToFileURL(path.join(modules, 'node_modules', name)));
 export const welkin = await import(pathToFileURL(path.join(packageFolder, 'index.js')));
 
