@@ -143,7 +143,7 @@ class Capture {
   BakedProbes& into_;
 };
 
-/// An empty grid of the sizes that the options ask for.
+/// Returns an empty grid of the sizes in the options.
 BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions& options) {
   BakedProbes probes;
   probes.grid = grid;

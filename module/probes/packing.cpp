@@ -143,7 +143,7 @@ constexpr double kSecondScale = 3.5777088;
 /// A probe in Unity's seven textures.
 using UnityTexels = std::array<Texel, 7>;
 
-/// Beside the mean; 1/2 stands for nothing.
+/// Returns value / mean / scale + 1/2, so that 1/2 stands for 0.
 float beside(double value, double mean, double scale) noexcept {
   return static_cast<float>(mean == 0.0 ? 0.5 : value / mean / scale + 0.5);
 }
@@ -289,7 +289,7 @@ std::vector<dvec3> map_directions() {
   return directions;
 }
 
-/// Of the probe at that place of the grid. Columns lie along x, rows along z, a layer per plane of y.
+/// Packs the maps of the probe at that position of the grid. Columns lie along x, rows along z, a layer per plane of y.
 std::uint64_t pack_maps(std::vector<ProbeTexture>& textures, const BakedProbes& probes,
                         const std::vector<dvec3>& directions, const glm::ivec3& at) {
   const std::size_t probe = number_of(probes.grid, at.x, at.y, at.z);

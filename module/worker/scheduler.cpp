@@ -41,9 +41,9 @@ void check(const WorkerOptions& options) {
 // A fork has a copy of it, as it was when it was made.
 std::atomic<std::int64_t> sound_process{platform::process_number()};
 
-/// Throws `Error` (stopped) in a fork that may have locks which nobody opens: a thread of the parent's may have been
-/// anywhere, in our caches, in oneTBB's heap in the middle of an allocation, or asleep on a stack that a thread of this
-/// process has now.
+/// Throws `Error` (stopped) in a fork that may have locks which no thread will open: a thread of the parent may have
+/// been anywhere, in our caches, in oneTBB's heap in the middle of an allocation, or asleep on a stack that a thread of
+/// this process has now.
 void require_no_lost_locks() {
   if (sound_process == platform::process_number()) return;
   if (jobs::activities != 0) {
@@ -77,7 +77,7 @@ stop_source make_stop_source() noexcept {
   }
 }
 
-/// What an executor is given to call.
+/// The task that an executor is given to call.
 struct LentTask : InJobMemory {
   explicit LentTask(std::shared_ptr<Scheduler> its_scheduler) noexcept : scheduler(std::move(its_scheduler)) {}
   std::shared_ptr<Scheduler> scheduler;
@@ -155,7 +155,7 @@ Scheduler::LockedState::~LockedState() {
     work.news = std::exchange(scheduler_.news_, false);
     lock_.unlock();
     scheduler_.carry_out(work);
-    // What came while the mutex was held, by this thread or by another one that `carry_out` has met.
+    // Submissions that came while the mutex was held, from this thread or from another one that `carry_out` has met.
     if (!scheduler_.inbox_has_something() || !lock_.try_lock()) return;
     scheduler_.empty_inbox(work);
   }
@@ -274,11 +274,11 @@ void Scheduler::settle(JobRecord& job) {
   if (newest != newest_.end() && newest->second.get() == &job) newest_.erase(newest);
 }
 
-// Giving jobs up, and what follows when they are done.
+// Cancelling jobs, and what follows when they are done.
 
 bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, AfterUnlock& work) {
   if (job->settled || job->withdrawn) return false;
-  // A continuation that has not started cancels the job that it follows, which nobody else hears of.
+  // A continuation that has not started cancels the job that it follows, whose result nothing else receives.
   while (job && !job->settled && !job->withdrawn) {
     job->withdrawn = reason;
     const std::shared_ptr<Computation> computation = job->computation;
@@ -323,8 +323,8 @@ void Scheduler::dispatch_followers(JobRecord& job, AfterUnlock& work) {
   }
 }
 
-/// Of a computation that waits, and that no thread will start: because of the error, because it was withdrawn, or as
-/// the worker has ended.
+/// Ends a waiting computation that no thread will start: because of the error, because it was withdrawn, or as the
+/// worker has ended.
 void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, AfterUnlock& work) {
   if (JobRecord* const job = computation->record.get()) {
     job->error = error;
@@ -346,8 +346,8 @@ void Scheduler::tell_jobs_of(AfterUnlock& work) {
 
 /// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
 void Scheduler::carry_out(AfterUnlock& work) {
-  // Code of the user's may throw out of a coroutine, a destructor or a stop callback, and there is nobody to throw to,
-  // as on a thread of the worker.
+  // User code may throw out of a coroutine, a destructor or a stop callback, and no caller could catch it, as on a
+  // thread of the worker.
   const auto go_on = [](const auto& call) {
     try {
       call();
@@ -357,7 +357,7 @@ void Scheduler::carry_out(AfterUnlock& work) {
   if (work.news) signal();
   wake_workers(work);
   while (work.stopping) {
-    // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
+    // The request's callbacks on its stop token run here, and could not wait for the request's end.
     const ThreadRole role(*this, ThreadRole::bystander);
     const std::shared_ptr<Computation> computation = std::move(work.stopping);
     work.stopping = std::move(computation->next_to_stop);
@@ -484,7 +484,7 @@ void Scheduler::plan_calls(AfterUnlock& work) {
     if (work.tasks <= 0) return;
     lent_ += work.tasks;
     unstarted_ += work.tasks;
-    ++lending_;  // until this is over, whoever ends the worker waits: the executor may go then
+    ++lending_;  // until this is over, the thread that ends the worker waits: the executor may go then
   }
 }
 
@@ -507,7 +507,7 @@ void Scheduler::wake_workers(AfterUnlock& work) {
     state.work.refused = true;
     lent_ -= tasks;
     unstarted_ -= tasks;
-    // A task that is there yet will ask again when it ends. If there is none, nobody will.
+    // A task that is there yet will ask again when it ends. If there is none, nothing will.
     for (ComputationList& list : waiting_) {
       while (lent_ == 0 && !list.empty()) {
         end(std::shared_ptr<Computation>(list.front()), std::current_exception(), state.work);
@@ -642,7 +642,7 @@ void Scheduler::wait(const JobRecord& job) {
   });
 }
 
-/// What must run first for the job, if no thread has started it.
+/// Returns the computation that must run first for the job; null if a thread has started it.
 std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) const {
   const std::shared_ptr<Computation>* first = &job.computation;
   while ((*first)->parent) first = &(*first)->parent->computation;

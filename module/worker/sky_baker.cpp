@@ -40,8 +40,8 @@ SkyBaker::Step SkyBaker::next_step() const noexcept {
   if (closed_) return Step::none;
   const bool curve = curve_is_due();
   const bool specular = specular_is_due();
-  // What the last tables were made for comes before the next ones: an atmosphere that never rests must not keep light
-  // waiting for ever.
+  // Curves and reflections of the last tables come before the next tables: an atmosphere that never rests must not
+  // keep light waiting for ever.
   const bool unused = (curve && curve_tables_ != done_.tables) || (specular && specular_tables_ != done_.tables);
   if (done_.tables != target_.versions.tables && !unused) return Step::tables;
   // In turns: an altitude that never rests must not keep reflections waiting for ever.

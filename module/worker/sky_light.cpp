@@ -48,7 +48,7 @@ glm::dvec3 unit(const glm::dvec3& direction) {
   return glm::normalize(math::rescaled_direction(direction, "dynamic sky: the sun's direction"));
 }
 
-/// Of the sun, (sine, cosine); in the zenith that of +z.
+/// Returns the sun's azimuth as (sine, cosine); at the zenith that of +z.
 glm::dvec2 azimuth(const glm::dvec3& sun) {
   const double across = std::sqrt(sun.x * sun.x + sun.z * sun.z);
   return across > 0.0 ? glm::dvec2(sun.x / across, sun.z / across) : glm::dvec2(0.0, 1.0);
@@ -100,7 +100,7 @@ struct SkyLight::State {
   glm::dvec3 sun{0.0, 1.0, 0.0};
   double intensity = 1.0;
   double sun_gap;       ///< sin^2 of half the threshold
-  double specular_gap;  ///< likewise
+  double specular_gap;  ///< sin^2 of half the threshold for reflections
   Blend<worker::BakedCurve> curves;
   Blend<worker::BakedReflections> reflections;
   std::vector<glm::dvec3> older_light;
@@ -235,7 +235,7 @@ void SkyLight::State::request_light(bool stop) {
   baker->set(target, stop);
 }
 
-/// What comes while something is being blended waits for the end of that: there are two places only.
+/// Takes new results. Those that come during a blend wait for its end: a blend has two slots only.
 void SkyLight::State::take_news() {
   std::optional<worker::SkyUpdates> news = baker->try_take(!curves.under_way(), !reflections.under_way(), garbage);
   frame.settled = news && !news->more_to_come;
