@@ -19,7 +19,7 @@ constexpr int kStretch = 32;                ///< tiles whose patches have one si
 
 int groups_for(int columns) noexcept { return (columns + kGroup - 1) / kGroup; }
 
-/// What a tile covers at most.
+/// The bounds of a tile.
 struct Extent {
   double left, right, top, bottom;
 };
@@ -164,7 +164,7 @@ TileWeights::PatchSize TileWeights::patch_size(const TileScratch& scratch, int f
   return {std::min(rows, rows_.count()), groups_for(columns)};
 }
 
-/// A line's tiles differ: beside a pole the widest patch and the highest one belong to different tiles.
+/// A line's tiles differ: next to a pole the widest patch and the highest one belong to different tiles.
 int TileWeights::tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept {
   int last = std::min(first + kStretch, end);
   size = patch_size(scratch, first, last);
@@ -400,11 +400,11 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   indices_ = platform::AlignedBuffer<std::int32_t>(indices);
 }
 
-/// Room for a line's weights, from above; a line that needs more after all is weighed anew each time.
+/// Returns an upper estimate of a line's weights; a line that needs more after all is weighed again each time.
 ///
 /// On +Y a texel in row r and column t r covers the longitudes from atan(t r / (r + 1)) to atan((t r + 1) / r), about
 /// (1 + t) / (1 + t^2) / r radians: most where t = sqrt(2) - 1. It is deepest on the diagonal, sqrt(2) times as deep as
-/// beside the axis.
+/// next to the axis.
 std::size_t TileWeightTable::floats_for(TileKind kind, int row) const noexcept {
   constexpr double kWidest = 0.5 * (1.0 + std::numbers::sqrt2);
   const auto touched = [](double cells) { return static_cast<int>(std::ceil(cells)) + 2; };  // with their ramps

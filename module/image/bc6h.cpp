@@ -155,7 +155,7 @@ std::int32_t unquantised(std::int32_t end, int bits, Bc6hRange range) noexcept {
   return end < 0 ? -result : result;
 }
 
-/// Of a number between two ends; a half's bits.
+/// Returns the bits of the half that a number between two ends stands for.
 std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
   // 0xFFFF 31 / 64 and 0x7FFF 31 / 32 are 31743, the bits of the largest finite half, 65504.
   if (range == Bc6hRange::positive) return static_cast<std::uint16_t>(value * 31 >> 6);

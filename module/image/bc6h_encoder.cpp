@@ -301,7 +301,7 @@ namespace {
 /// texels of seven images' chains, by what the errors came to. (Of evenly spread logarithms it would be 0.54.)
 constexpr double kMeanSquareOfUnits = 0.51;
 
-/// Of six faces.
+/// Bytes of the blocks of six faces.
 std::size_t block_bytes(int size) { return 6 * image::block_bytes(size, size); }
 
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }

@@ -65,8 +65,8 @@ class BlockBits {
   int place_ = 0;
 };
 
-/// Rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
-/// rgb: [rows][width][3]. `decode(block, halves)` writes a block's 16 x 3 halves, row by row.
+/// Decodes rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// rgb: [rows][width][3]. `decode(block, halves)` writes a block's 16 x 3 half floats, row by row.
 template <class Decode>
 void decode_block_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb,
                        const Decode& decode) noexcept {

@@ -114,7 +114,7 @@ struct BlockFormat {
 /// The weight of texels beyond an image's edge.
 inline constexpr float kPaddingWeight = 1.0F / 1024.0F;
 
-/// A block's texels as halves hold them, from `least` on; those beyond its image's edge repeat the last ones.
+/// A block's texels as half floats hold them, from `least` on; those beyond its image's edge repeat the last ones.
 struct BlockTexels {
   std::array<float, 3 * kBlockTexels> values;
   std::array<bool, kBlockTexels> inside;

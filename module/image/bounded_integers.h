@@ -99,7 +99,7 @@ constexpr int repeated(int value, int bits, int wanted) {
   }
 }
 
-/// The byte that an end's number stands for ("Color endpoint unquantization").
+/// Returns the byte that an end's number stands for (`Color endpoint unquantization`).
 constexpr int byte_of(int number, Levels levels) {
   const int n = levels.bits;
   if (levels.base == 1) return repeated(number, n, 8);

@@ -72,7 +72,7 @@ struct TileRun {
   CellRow rows;
   int down;
   int groups;           ///< of four columns
-  double* down_shares;  ///< room for [kMaxSides][down, up to a multiple of eight]
+  double* down_shares;  ///< scratch: [kMaxSides][down, up to a multiple of eight]
 };
 
 struct ImageKernels {
@@ -122,8 +122,8 @@ struct HalfKernels {
 };
 WELKIN_KERNEL_TABLES(HalfKernels, half_kernels)
 
-/// What a texel of a cubemap face stands for; positions are counted in the face's top left quadrant and
-/// weights are those of its mirror image with u >= 0 and v >= 0.
+/// Texels of a row of a cubemap face. Positions are counted in the face's top left quadrant; weights are those of its
+/// mirror image with u >= 0 and v >= 0.
 struct TexelRun {
   int size;          ///< N, texels along an edge of the face
   int row;           ///< 0 to ceil(N/2) - 1
@@ -144,7 +144,7 @@ struct TexelKernels {
   void (*integrate_texels)(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
                            const int* place, float* weights, int stride);
 
-  /// The same for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
+  /// Integrals for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
   /// 2e-7 + 40 h^4.
   void (*expand_texels)(const TexelRun& run, const int* place, float* weights, int stride);
 };

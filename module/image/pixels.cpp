@@ -67,7 +67,7 @@ void decode_srgba(const void* texels, int count, float* rgb) noexcept {
 }
 
 // value / 255, rounded once. 1 / 255 = 2^-8 + 2^-16 + 2^-24 + ...: eight bits times the first two terms are exact, and
-// the rest is too small for its own rounding to be seen. Two products and a sum vectorise where a division is slow.
+// the rest is too small for its own rounding to be seen. Two products and a sum vectorize where a division is slow.
 constexpr float unit_from_byte(std::uint8_t byte) noexcept {
   constexpr float kFirstTerms = 0x1.01p-8F;
   constexpr auto kRest = static_cast<float>(1.0 / 255.0 - 0x1.01p-8);

@@ -45,7 +45,7 @@ Between between(double place) noexcept {
 }
 
 /// Bilinear interpolation as `CubemapSampler` does it; across the poles it goes on in the columns on the other side,
-/// half a turn away. In rows whose texels are narrower than the distance of samples, the mean over that distance takes
+/// 180 degrees away. In rows whose texels are narrower than the distance of samples, the mean over that distance takes
 /// the place of interpolation: samples pass none over.
 class LatLongSampler {
  public:
@@ -72,7 +72,7 @@ class LatLongSampler {
  private:
   void add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
     if (row < 0 || row >= height_) {
-      // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
+      // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, 180 degrees away.
       row = row < 0 ? 0 : height_ - 1;
       column += 0.5 * width_;
     }
@@ -203,7 +203,7 @@ class Cells {
     double weight;  // in proportion to the solid angle that it stands for
   };
 
-  /// What a row of samples shares: sample row `sub_row` of texel row `row`.
+  /// The position that a row of samples shares: sample row `sub_row` of texel row `row`.
   struct RowSample {
     int face;
     double v;                     // cube: the place on the face

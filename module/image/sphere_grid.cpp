@@ -142,7 +142,7 @@ class FaceSampler {
     }
   }
 
-  /// The same of the faces +Y and -Y. On +Y the upper rows have z < 0, on -Y the lower ones.
+  /// Samples rows of the faces +Y and -Y. On +Y the upper rows have z < 0, on -Y the lower ones.
   void sample_poles(const Rows& rows, Scratch& scratch) const {
     for (int row = rows.first; row < rows.end; ++row) place_polar_taps(row, scratch, taps_of(rows, row, scratch));
     for (const bool below : {false, true}) {

@@ -160,7 +160,7 @@ std::uint32_t second_part(int index) {
   return parts;
 }
 
-/// To 16 x 3 halves. False for what the format does not have.
+/// Decodes to 16 x 3 half floats. Returns false for blocks that the format does not have.
 bool decode_block(const std::uint8_t* block, std::uint16_t* halves) {
   const BlockBits bits(block);
   constexpr int kFlat = 0x1FC;
