@@ -26,7 +26,7 @@
 namespace welkin {
 namespace {
 
-constexpr double kNotedDoubt = 5e-3;  ///< of further orders that is told, as a share of all light
+constexpr double kNotedDoubt = 5e-3;  ///< doubt of further orders that is reported, as a fraction of all light
 
 using sky::AirModel;
 using sky::PerConstituent;
@@ -327,7 +327,7 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
   }
 }
 
-// What light of the aerosol is multiplied by to be relative to the glow: light without its phase function, or radiance.
+// Factor that makes the aerosol's light relative to the glow: light without its phase function, or radiance.
 // Tables of a glow are looked up as stored x P x (S / P), P the phase function and S the glow (`factors.glow` is S / P,
 // `factors.once` is (P + D) / P). Single scattering m is to be seen as m (P + D): stored = m `once` / `glow`. A
 // radiance L is to be seen as it is: stored = L / (`glow` P).
@@ -414,8 +414,8 @@ void Precomputation::clip() {
   for (float& value : result_.single_mie) value = stored(static_cast<double>(value));
 }
 
-/// Of the polynomial through values at places (Lagrange).
-/// w_k = Prod_(i != k) (x - x_i) / (x_k - x_i). Equal places divide by 0, which the test below finds.
+/// Returns the weights at `place` of the polynomial through values at `positions` (Lagrange):
+/// w_k = Prod_(i != k) (x - x_i) / (x_k - x_i). Equal positions divide by 0, which the test below finds.
 std::vector<double> polynomial_weights(std::span<const double> positions, double place) {
   std::vector<double> weights;
   for (std::size_t k = 0; k < positions.size(); ++k) {

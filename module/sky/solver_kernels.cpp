@@ -152,8 +152,8 @@ WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inver
   }
 }
 
-/// What molecules send on at the sample's height and zenith angle, relative to the brightness: coefficients of 1, q and
-/// q^2, `rows`[3][nodes][4].
+/// Mixes the light that molecules scatter at the sample's height and zenith angle, relative to the brightness:
+/// coefficients of 1, q and q^2, `rows`[3][nodes][4].
 /// The direction enters by mu alone here and by q per sun later: the five terms of sky_kernels.h are folded to
 ///   (t0 + P_2(mu) t1 - (1 - mu^2) t2) + q (mu t3) + q^2 t4
 /// once per sample, and a sun costs two multiplications and additions per channel.

@@ -1,4 +1,4 @@
-// What one thread of a `SourceSolver` works in, and the sizes that its two halves share: orders and their rays
+// Memory of one thread of a `SourceSolver`, and the sizes that its two halves share: orders and their rays
 // (scattering_solver.cpp), and the source that they leave (source_gathering.cpp).
 #pragma once
 
@@ -64,7 +64,7 @@ struct SourceSolver::Worker {
   std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
   std::vector<float> values;     ///< [pairs]
   std::vector<float> harmonics;  ///< [pairs][3][block]
-  std::vector<float> lobed;      ///< likewise, each wavelength's times its own lobe's moments, where lobes differ
+  std::vector<float> lobed;      ///< [pairs][3][block]: times each wavelength's own lobe's moments, where lobes differ
   std::vector<float> aerosol;    ///< [m][3][block]: for one zenith, folded
 };
 

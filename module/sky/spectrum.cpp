@@ -59,7 +59,7 @@ struct Tristimulus {
 };
 
 /// From X, Y, Z to linear sRGB: the inverse of what its primaries (Rec. 709) and white (D65: 0.3127, 0.3290) give, as
-/// in CSS Color 4, section 10.4.
+/// in `CSS Color 4`, section 10.4.
 glm::dvec3 srgb(const Tristimulus& c) {
   return {3.2409699419045226 * c.x - 1.5373831775700939 * c.y - 0.4986107602930034 * c.z,
           -0.9692436362808796 * c.x + 1.8759675015077202 * c.y + 0.04155505740717559 * c.z,

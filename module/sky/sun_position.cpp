@@ -105,7 +105,7 @@ double delta_time_seconds(double year) {
   return sum;
 }
 
-/// What the sun's place among the stars and the Earth's rotation are at a moment, in turns.
+/// The sun's position among the stars and the Earth's rotation at a moment, in turns.
 struct Apparent {
   double right_ascension;
   double declination;
@@ -262,7 +262,7 @@ class Reader {
     return value;
   }
 
-  /// What stands behind a decimal point; digits after the ninth count for nothing.
+  /// Reads the digits after a decimal point; those after the ninth are ignored.
   double fraction() {
     double value = 0.0;
     double unit = 1.0;

@@ -14,7 +14,7 @@ constexpr double kPi = 3.14159265358979324;
 constexpr double kTiny = 1e-300;  // below any number that matters, above what divides to infinity
 constexpr float kRayleigh = static_cast<float>(3.0 / (16.0 * kPi));
 
-/// What is known of sixteen directions.
+/// Positions and phase functions of sixteen directions.
 struct Places {
   alignas(64) double view[kLanes];     ///< position within the half
   alignas(64) double azimuth[kLanes];  ///< position
@@ -240,7 +240,7 @@ WELKIN_INLINE void store_row(Row row, float* to) {
   for (int i = 0; i < Row::kRegisters; ++i) row.part[i].store_unaligned(to + i * kNarrowWidth);
 }
 
-/// Of four rows the weighted sum, within reach of the two in the middle of which the position lies.
+/// Returns the weighted sum of four rows, limited to the two in the middle, between which the position lies.
 WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {
   Row sum = nothing();
   for (int i = 0; i < 4; ++i) sum = plus(sum, taps.weights[i], rows[i]);
@@ -313,7 +313,7 @@ WELKIN_INLINE void multiply_aureole(const float* aureole, float position, float*
   for (int c = 0; c < 3; ++c) rgb[c] = rgb[c] * (low[c] + part * (low[kSkyColour + c] - low[c]));
 }
 
-/// What the ground adds, at the end of a ray with these taps.
+/// Adds the ground's light, at the end of a ray with these taps.
 WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double position, float* rgb) {
   const int limit = run.grounds - 2;
   const int node = static_cast<int>(position) < limit ? static_cast<int>(position) : limit;
@@ -329,7 +329,7 @@ WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double p
   }
 }
 
-/// What the night adds.
+/// Adds the night's light.
 WELKIN_INLINE void add_night(const SkyRun& run, double position, float* rgb) {
   const int node = static_cast<int>(position) < run.nights - 2 ? static_cast<int>(position) : run.nights - 2;
   const auto t = static_cast<float>(position - node);
@@ -404,7 +404,7 @@ WELKIN_INLINE Lanes rayleigh_phase(const SkyRings& rings, Lanes x) {
   return Lanes(rings.rayleigh) * (one + cosine * cosine);
 }
 
-/// Of one channel between four suns; `values` are the first one's of this register's rings.
+/// Returns a channel's light between four suns; `values` are the first one's of this register's rings.
 WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   constexpr int sun = kSkyChannels * kSkyRings;
   const Lanes a = Lanes(rings.sun_weights[0]) * Lanes::load_aligned(values);
@@ -414,7 +414,7 @@ WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   return (a + b) + (c + d);
 }
 
-/// The azimuth nodes about an azimuth, between suns. Azimuths follow each other, so that four are kept: most ask for
+/// The azimuth nodes about an azimuth, between suns. Azimuths follow each other, so that four are kept: most need
 /// none that the one before did not.
 struct NearNodes {
   int node[4] = {-1, -1, -1, -1};
