@@ -270,7 +270,7 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   platform::AlignedBuffer<float> integrated(values);
   const auto placement = brdf_values(options) <= kSmall ? jobs::Placement::calling_thread : jobs::Placement::arena;
   const std::size_t workers = jobs::worker_count(placement);
-  const double integrating = 1.0 / (1.0 + options.height / 1000.0);  // share of the time
+  const double integrating = 1.0 / (1.0 + options.height / 1000.0);  // fraction of the time
   const Control first_part = jobs::part_of(control, 0.0, integrating);
   jobs::run_tiles(samples, placement, workers, first_part, [&](std::size_t sample, std::size_t /*worker*/) {
     const Rows* rows = bands.data();
@@ -319,7 +319,7 @@ std::shared_ptr<const BrdfTable> reflections::shared_brdf(const BrdfTableOptions
   check_brdf(options);
   made = true;
   jobs::throw_if_cancelled(control);
-  // What would not be kept is made without the cache, where whoever wants the same waits for it, deaf to its own stop.
+  // Tables too large to keep are made without the cache: a caller that waits there for the same one cannot be stopped.
   if (reflections::brdf_values(options) * sizeof(float) > kCacheBytes)
     return reflections::integrated_brdf(options, control);
   static auto& cache = *new math::TableCache<BrdfTableOptions, BrdfTable>(kCacheBytes);  // never destroyed

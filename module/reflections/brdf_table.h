@@ -57,7 +57,7 @@ class AlbedoQuadrature {
   std::vector<float> radius_weights_;
 };
 
-/// The rules with the fewest nodes that keep the error below 1e-5, by perceptual roughness. Measured: 6e-6, of tables
+/// The smallest rules that keep the error below 1e-5, by perceptual roughness. Measured: 6e-6, of tables
 /// that are interpolated too; for sheen, which exceeds 1 at grazing angles, of what is above 1.
 class AlbedoRules {
  public:

@@ -33,7 +33,7 @@ constexpr double kMinPeak = 4.0;
 constexpr double kPart = 0.25;
 
 /// Lights of up to a third of the sphere are compared with the mean of the rest if they make the whole mean this much
-/// brighter. Beside a darker rest no float is right to a percent.
+/// brighter. Next to a darker rest no float is right to a percent.
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;
@@ -133,7 +133,7 @@ class Search {
   }
 
   /// Parts the found texels' light in what is left, as bright as the darkest texel of the cell and no brighter than the
-  /// mean of all that is not found, and the rest, which is taken out.
+  /// mean of all that is not found, and the rest, which is extracted.
   void part(std::vector<BrightTexel>& found) const {
     double taken = 0.0;
     for (const BrightTexel& texel : found) {
@@ -276,7 +276,7 @@ BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, doubl
   const int across = std::clamp(static_cast<int>((cubemap ? 0.5 : 2.0) * kPi / (2.0 * alpha)), 1, columns);
   const auto product = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
   const std::size_t found = product(rows, columns) / static_cast<std::size_t>(kPeak) + 1;
-  // a list that grows is there twice for a moment, once with room for double
+  // A list that grows is there twice for a moment, once with twice the capacity.
   return {std::min(found, most),
           product(cubemap ? (columns + 1) / 2 : rows, cubemap ? (columns + 1) / 2 : 1) * sizeof(double) +
               product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};

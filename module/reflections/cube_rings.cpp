@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kCacheBytes = std::size_t{192} << 20U;
 
 /// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those next to them. A face
-/// is a quarter of a turn high, rows / 2 rings, and a ring's texels are as wide as it is high.
+/// is 90 degrees high, rows / 2 rings, and a ring's texels are as wide as it is high.
 double about_taps(const RingTableKey& key) noexcept {
   const double rings = 0.5 * key.rows / key.face_size;
   return 6.0 / kRingImages * key.face_size * key.face_size * (kSpread + rings) * (kSpread + rings);

@@ -1,4 +1,4 @@
-// The truth at chosen directions.
+// The reference: the prefilter's integral at chosen directions.
 #include "reflections/direct.h"
 
 #include <algorithm>

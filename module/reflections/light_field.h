@@ -49,7 +49,7 @@ class LightField {
     return values_;
   }
 
-  /// The same field at the points of a part of its area.
+  /// Returns this field at the points of a part of its area.
   [[nodiscard]] LightField within(const FaceArea& area, const FaceArea& part) const;
 
   /// Writes its values at the centres of the area's texels, row by row, to sums[3][count].

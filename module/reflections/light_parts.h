@@ -15,7 +15,7 @@
 
 namespace welkin::reflections {
 
-/// Places of an image. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
+/// Directions of an image's points. A tree needs the same rows and columns repeatedly: sines of the latest are kept.
 class Directions {
  public:
   explicit Directions(const ImageShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}

@@ -45,7 +45,7 @@ bool is_coarse(const ImageShape& shape, LightsOf of) {
   return of == LightsOf::ggx && edge_of(shape) > kMaxCut;
 }
 
-/// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
+/// Returns the parts along an edge that large texels are cut into, each small relative to the lobe and the sphere.
 int cuts_of(const ImageShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
@@ -98,7 +98,7 @@ class LightTree {
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
-  /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
+  /// Builds the tree of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const ImageShape& shape, const LightLobes& lobes, double reach,
             bool exact, double most_cut_radius, BrightLights& lights)
@@ -137,7 +137,7 @@ class LightTree {
     int column;
     int row;
   };
-  /// Of rows and columns, the last ones outside.
+  /// A range of rows and columns, the last ones outside.
   struct Box {
     Corner first;
     Corner end;
@@ -262,7 +262,7 @@ class LightTree {
     return true;
   }
 
-  /// Of a leaf's parts, which count for the error unless they are `within` a node that is cut as one light.
+  /// Returns the moments of a leaf's parts, which count for the error unless `within` a node that is cut as one light.
   Moments moments_of(const LobeRun& parts, bool within) {
     Moments moments;
     for (int k = parts.first; k < parts.first + parts.count; ++k) {
@@ -462,7 +462,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const ImageSh
   const ImageShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const bool exact = is_coarse(shape, lobes.of);
   if (exact) texels_ = projection::texel_integrals_of(cut.grid());
-  // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
+  // The error of a cut light falls with the square of its size. A kernel may be steep at its horizon.
   double most_cut = kMaxCutRadius * math::exponential(0.5 * std::min(kMaxLoosening, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);

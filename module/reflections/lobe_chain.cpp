@@ -63,8 +63,8 @@ PrefilteredSpecular LobeChain::run(const Control& control, float scale, Irradian
   return std::move(result_);
 }
 
-/// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
-/// floats, for the bound on its error.
+/// Adds a pass to the diagnostics if a channel is too dark relative to `field`, the root mean square of what was summed
+/// in floats, for the bound on its error.
 void LobeChain::note_darkness(const ChainTarget& target, double field, const Control& control) {
   constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
   const double share = kFloatNoise / target.bounds.maximum;

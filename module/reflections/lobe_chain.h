@@ -56,7 +56,7 @@ struct ChainTarget {
   int level;
   MipRecord& record;
   std::string name;    ///< in passes
-  ErrorBounds bounds;  ///< asked for
+  ErrorBounds bounds;  ///< requested
 
   [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
   /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.

@@ -120,7 +120,7 @@ std::size_t NearTable::most_bytes(const NearSplit& split) noexcept {
 
 namespace {
 
-/// Those texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
+/// The texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
 /// does for all of them. A symmetry G of the source's grid takes the weight of texel t for direction d to that of G t
 /// for G d. So the sum for G d is Sum_t weight(d, t) L(G t), and a record of t holds L(G t) of all sixteen G as
 /// `cube_image_of` numbers them. A cubemap's other 32 symmetries are these after one or two rotations of the axes.
@@ -204,7 +204,7 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   const image::CubeImage how = image::cube_image_of(image);
   const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
   // Columns follow the longitude atan2(x, z) downwards. A mirror, x to -x, negates it: column c goes to columns - 1 -
-  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and a quarter of a turn off it, columns / 4 more. A run
+  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and 90 degrees off it, columns / 4 more. A run
   // of columns that crosses the row's end is copied in two.
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;
@@ -349,8 +349,8 @@ constexpr double kBandsTimesReach = 12.0;  ///< what the far part's polynomial w
 constexpr double kTexelsOfReach = 3.0;     ///< at least
 constexpr double kBalance = 5.6;           ///< see `near_far_split`: measured
 
-/// Returns the parts that an edge of texels is cut into. With the fewest bands the reach is kBandsTimesReach /
-/// kMinBands = 0.1 radians, which holds kTexelsOfReach texels from 30 per radian on.
+/// Returns the parts that an edge of texels is cut into. With kMinBands bands the reach is kBandsTimesReach / kMinBands
+/// = 0.1 radians, which holds kTexelsOfReach texels from 30 per radian on.
 int parts_of(double texels_of_radian) {
   constexpr double least = kMinBands * kTexelsOfReach / kBandsTimesReach;
   return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));

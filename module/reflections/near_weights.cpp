@@ -17,8 +17,8 @@ constexpr std::size_t kLanes = simd::kLanes;
 constexpr std::size_t kGroupsPerTile = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Texels that are wide beside the lobe are integrated in closed form, and finely for some way on: their middles lie so
-// many texels from the direction. Others are integrated finely next to it.
+// Texels that are wide relative to the lobe are integrated in closed form, and finely for some way on: their middles
+// lie so many texels from the direction. Others are integrated finely next to it.
 constexpr double kMaxTexel = 2.5;  ///< over alpha
 constexpr int kClose = 2;
 constexpr int kFine = 4;
@@ -143,8 +143,8 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
   }
 }
 
-// Of n texels along half an edge, the middle one of an odd size among them, the n (n + 1) / 2 of an eighth of +y, and
-// of a lat-long the n^2 of half a side face as well.
+// Counts, of n texels along half an edge, the middle one of an odd size among them, the n (n + 1) / 2 of an eighth of
+// +y, and of a lat-long the n^2 of half a side face as well.
 std::size_t NearWeights::directions_of(const NearSplit& split) noexcept {
   const auto half = static_cast<std::size_t>((split.size + 1) / 2);
   return half * (half + 1) / 2 + (split.cubemap() ? 0 : half * half);
@@ -247,7 +247,7 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
     const double own = math::turns_of(d.y, flat);
-    // column 0 begins at longitude half a turn, row 0 at the pole, a quarter of a turn up
+    // Column 0 begins at longitude 180 degrees (0.5 turns), row 0 at the pole (0.25 turns).
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
     const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
     latitude.take(own);

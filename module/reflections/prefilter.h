@@ -1,4 +1,4 @@
-// The prefilter from the inside: what it leaves for whoever bakes more than reflections.
+// The prefilter's internal interface: what it leaves for callers that bake more than reflections.
 #pragma once
 
 #include <cstddef>

@@ -55,7 +55,7 @@ void check_lobe(const PrefilterOptions& options) {
 }
 
 double least_roughness(LobeFamily lobe) noexcept {
-  constexpr double kMinPhongRoughness = 0.12;  // below, a power asks for too many harmonics
+  constexpr double kMinPhongRoughness = 0.12;  // below, a power needs too many harmonics
   if (lobe == LobeFamily::charlie) return kMinCharlieRoughness;
   return lobe == LobeFamily::phong || lobe == LobeFamily::blinn ? kMinPhongRoughness : 0.0;
 }
@@ -196,7 +196,7 @@ int first_bands(const Lobe& lobe, double rms_error) {
       if (lost > kShare * kOfBound * rms_error * rms_error) break;
       --bands;
     }
-    // What lies beyond is at most about as much as what lies in the last third: a spectrum that falls like l^-1/2, as
+    // The part beyond is at most about as much as what lies in the last third: a spectrum that falls like l^-1/2, as
     // slowly as any (docs/maths/reflections.md), makes terms of l^-3, of which 0.8 times as many lie beyond L as from
     // 2 L / 3 to L. Kinks' l^-5/2 makes it a tenth.
     if (bands < looked_at * 2 / 3 || looked_at == most)

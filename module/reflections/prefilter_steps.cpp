@@ -25,7 +25,7 @@ constexpr double kFarOversampling = 1.2;   ///< for narrow lobes' far parts, whi
 constexpr double kMinHalvedTexels = 64.0;  ///< texels of halved faces at the default bounds
 
 int halved_to(int face, double least, const ErrorBounds& bounds) noexcept {
-  // texels beside the edges of coarser ones gain or lose too much
+  // texels next to the edges of coarser ones gain or lose too much
   const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
   least = std::max(least, kMinHalvedTexels / std::sqrt(looser));
   while (can_be_halved(face) && face >= 2.0 * least) face /= 2;

@@ -14,7 +14,7 @@ using simd::kNarrowWidth, simd::kWidth, simd::Lanes, simd::NarrowLanes, simd::Qu
 constexpr int kRegisters = kRecordFloats / kWidth;
 constexpr int kShareRegisters = kShareLanes / kNarrowWidth;
 
-/// Registers that are summed at a time: as many as the processor has room for beside the products.
+/// Registers that are summed at a time: as many as the processor has in addition to those of the products.
 constexpr int kAtATime = kRegisters < 6 ? kRegisters : 6;
 
 void sum_ring_taps(const RingRun& run, const RingLayout& places) {

@@ -46,9 +46,9 @@ struct RingLayout {
 
 /// Shares of texels that lie 7/4, 5/4, 3/4 and 1/4 of a large texel from its middle.
 inline constexpr float kHalvedShares[4] = {-6.0F / 128.0F, -10.0F / 128.0F, 34.0F / 128.0F, 110.0F / 128.0F};
-/// The same shares by what would lie beyond the face's edge, once and twice: parabolas through the first
-/// three within it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange
-/// polynomials of the places 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
+/// Coefficients of what would lie beyond the face's edge, once and twice: parabolas through the first three within
+/// it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange polynomials of
+/// the positions 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
 inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
@@ -135,7 +135,7 @@ struct RingCells {
 /// Calls `take(cells, k)` for the parts of `columns` columns of a ring from `first` on that lie in one sixteenth each,
 /// k columns further on. `first` is above -8 `width`.
 ///
-/// Ring -1 - r beyond the pole is ring r half a turn on, which is 4 widths of an eighth each. Below the equator rings
+/// Ring -1 - r beyond the pole is ring r 180 degrees on, which is 4 widths of an eighth each. Below the equator rings
 /// are mirror images of those above it. Every second eighth of a turn is the mirror image of the one next to it about
 /// the line between them, so its columns run backwards; the image's number is that of `image::cube_image_of`.
 template <class Take>

@@ -124,10 +124,10 @@ void write(const std::array<Polynomial, kSpread>& shares, float* to) {
   }
 }
 
-/// What the rings about a cell get of uniform light on it, from the cell's upper edge to a place.
+/// The light that the rings about a cell get of uniform light on it, from the cell's upper edge to a position.
 using CellLight = std::array<Polynomial, kSpread>;
 
-/// Of a column's width; rings go on beyond the pole and the equator.
+/// Returns the area of a ring's texel over the width of its column; rings go on beyond the pole and the equator.
 double area_of(int ring, int rows) {
   const int real = ring < 0 ? -1 - ring : std::min(ring, rows - 1 - ring);
   return image::lat_long_texel_solid_angle(2 * rows, rows, real) * rows / std::numbers::pi;
@@ -170,7 +170,7 @@ void even_out(std::vector<CellLight>& light, int rows) {
   };
   for (int ring = 0; ring < std::min(kPolarRings, rows / 4); ++ring) {
     const int reach = ring + kMiddle;
-    // ring -1 - ring, beyond the pole, is the same ring half a turn on
+    // ring -1 - ring, beyond the pole, is the same ring 180 degrees on
     const double excess = received(ring, 0, reach) + received(-1 - ring, 0, reach) - area_of(ring, rows);
     // Cells that give light to both rings.
     const int first_cell = std::max(0, ring + 1 - kMiddle);

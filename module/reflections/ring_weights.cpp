@@ -61,7 +61,7 @@ class RingWeights::EdgeLine {
   [[nodiscard]] Edge& edge(int index) noexcept { return edges_[static_cast<std::size_t>(index)]; }
 
   /// `mirrored`: lines that run away from the middle of the face, whose longitudes count from the other end of a
-  /// quarter of a turn.
+  /// quadrant.
   void cut(int first, int end, double height, bool mirrored);
   /// Rings of points of this or of another cut line, for edges of the latter.
   void find_rings(const EdgeLine& line, int first, int end, double height);
@@ -182,7 +182,7 @@ void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end,
                                     along_ + kShareLanes * from);
 }
 
-/// What one thread needs for itself.
+/// The scratch of one thread.
 class RingWeights::Workspace {
  public:
   explicit Workspace(const RingWeights& weights);

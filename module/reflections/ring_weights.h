@@ -1,4 +1,4 @@
-// What each texel of a cubemap gives to rings of latitude, made band after band.
+// Weights of each texel of a cubemap for rings of latitude, made band after band.
 #pragma once
 
 #include <cstddef>
@@ -52,7 +52,7 @@ class RingWeights {
     std::uint32_t record;
     int image;
   };
-  /// Those that come after the rows' texels.
+  /// Records that come after the rows' texels.
   [[nodiscard]] const std::vector<ImageRecord>& images() const noexcept { return images_; }
   [[nodiscard]] std::size_t record_count() const noexcept { return texel_count_ + images_.size(); }
 
