@@ -39,9 +39,9 @@ struct Between {
   double share;  // of the texel after it
 };
 
-Between between(double place) noexcept {
-  const double whole = std::floor(place);
-  return {static_cast<int>(whole), place - whole};
+Between between(double position) noexcept {
+  const double whole = std::floor(position);
+  return {static_cast<int>(whole), position - whole};
 }
 
 /// Bilinear interpolation as `CubemapSampler` does it; across the poles it goes on in the columns on the other side,
@@ -209,7 +209,7 @@ class Cells {
     double v;                     // cube: the place on the face
     math::SineCosine latitude{};  // lat-long
   };
-  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept {
+  [[nodiscard]] RowSample row_sample(int row, int sub_row) const noexcept {
     const int face = lat_long_ ? 0 : row / columns_;
     const double line = 1.0 * (row - face * columns_) * down_ + sub_row;
     if (lat_long_) return {0, 0.0, math::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_))};
@@ -217,18 +217,18 @@ class Cells {
   }
 
   /// Sample column `column`, counted through all texels.
-  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept {
+  [[nodiscard]] Sample sample(const RowSample& row, int column) const noexcept {
     if (lat_long_) {
       const math::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
-      const auto& [sine, cosine] = place.latitude;
+      const auto& [sine, cosine] = row.latitude;
       return {{longitude.sine * cosine, sine, longitude.cosine * cosine}, cosine};
     }
-    const image::Frame& frame = image::face_frame(place.face);
+    const image::Frame& frame = image::face_frame(row.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
     // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2). Weights are relative: du dv, alike for all samples,
     // drops out when the sum is divided by that of the weights.
-    const double squared = 1.0 + u * u + place.v * place.v;
-    return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
+    const double squared = 1.0 + u * u + row.v * row.v;
+    return {frame.normal + u * frame.u + row.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
   }
 
  private:
@@ -268,8 +268,8 @@ class Resampler {
       const std::size_t texel = static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.columns());
       for (int column = first; column < end; ++column) {
         const glm::dvec3 mean = texel_mean(row, column);
-        float* place = rgb + 3 * (texel + static_cast<std::size_t>(column));
-        for (int channel = 0; channel < 3; ++channel) place[channel] = static_cast<float>(mean[channel]);
+        float* to = rgb + 3 * (texel + static_cast<std::size_t>(column));
+        for (int channel = 0; channel < 3; ++channel) to[channel] = static_cast<float>(mean[channel]);
       }
     });
   }
@@ -281,9 +281,9 @@ class Resampler {
     double weights = 0.0;
     for (int sub_row = 0; sub_row < cells_.samples_down(); ++sub_row) {
       if (across >= kSamplesToLookUp) jobs::throw_if_cancelled(control_);
-      const Cells::RowSample place = cells_.row_place(row, sub_row);
+      const Cells::RowSample row_of_samples = cells_.row_sample(row, sub_row);
       for (int sub_column = 0; sub_column < across; ++sub_column) {
-        const Cells::Sample sample = cells_.sample(place, column * across + sub_column);
+        const Cells::Sample sample = cells_.sample(row_of_samples, column * across + sub_column);
         source_.add(back_ * sample.direction, sample.weight, sum);
         weights += sample.weight;
       }

@@ -70,10 +70,10 @@ struct ChainTarget {
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
 class LobeChain {
  public:
-  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room, memory_resource* memory)
+  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap into, memory_resource* memory)
       : source_(source), plan_(plan), spectral_(step_of(0)) {
     const auto levels = static_cast<int>(plan_.mips.size());
-    if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
+    if (levels > 0) result_.cubemap = image::shaped(std::move(into), plan_.mips.front().size, levels, memory);
     if (plan_.irradiance) irradiance_ = Cubemap(plan_.irradiance->size, 1);
     result_.mips.resize(plan_.mips.size());
   }

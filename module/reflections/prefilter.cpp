@@ -105,10 +105,10 @@ void undo_scale(PrefilteredSpecular& result, float scale) {
 
 }  // namespace
 
-PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room,
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap into,
                               const Control& control, IrradianceMap* irradiance) {
   const float scale = safe_scale(source);
-  if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control, scale, irradiance);
+  if (scale == 1.0F) return LobeChain(source, plan, std::move(into), control.memory).run(control, scale, irradiance);
   LatLongImage lat_long;
   Cubemap cube;
   if (source.cubemap())
@@ -117,15 +117,15 @@ PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const P
     lat_long = {source.columns(), source.rows(), scaled_pixels(source, scale)};
   const projection::SanitizedSource scaled(
       source.cubemap() ? EnvironmentView(cube.view()) : EnvironmentView(lat_long.view()), {}, {control.stop, {}});
-  PrefilteredSpecular result = LobeChain(scaled, plan, std::move(room), control.memory).run(control, scale, irradiance);
+  PrefilteredSpecular result = LobeChain(scaled, plan, std::move(into), control.memory).run(control, scale, irradiance);
   undo_scale(result, scale);
   return result;
 }
 
 PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                              Cubemap room, const Control& control) {
+                              Cubemap into, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
-  PrefilteredSpecular result = prefilter(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
+  PrefilteredSpecular result = prefilter(source, plan, std::move(into), jobs::part_of(control, 0.05, 1.0));
   result.peak_bytes += source.bytes();
   describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;
