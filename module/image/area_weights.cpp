@@ -119,18 +119,18 @@ TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns)
   SideColumns result;
   int most = 1;
   int guess = 0;
-  const auto place = [&](int index) { return tiling_.longitude(index) * columns_per_radian_; };
+  const auto position = [&](int index) { return tiling_.longitude(index) * columns_per_radian_; };
   for (int k = 0; k < tiling_.half(); ++k) {
-    guess = columns.first_beyond(place(k), guess);
+    guess = columns.first_beyond(position(k), guess);
     result.columns.push_back(guess - reach_);
-    most = std::max(most, columns.last_before(place(k + 1), guess) - guess + 1);
+    most = std::max(most, columns.last_before(position(k + 1), guess) - guess + 1);
   }
   result.groups = groups_for(most);
   const int across = kGroup * result.groups;
   for (int k = 0; k < tiling_.half(); ++k) {
     const int first = result.columns[static_cast<std::size_t>(k)] + reach_;
-    columns.for_each_share(first, across, place(k), place(k + 1), [&](double share) {
-      result.weights.push_back(static_cast<float>(std::max(0.0, share / (place(k + 1) - place(k)))));
+    columns.for_each_share(first, across, position(k), position(k + 1), [&](double share) {
+      result.weights.push_back(static_cast<float>(std::max(0.0, share / (position(k + 1) - position(k)))));
     });
   }
   return result;
@@ -382,12 +382,12 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   for (const bool polar : {false, true}) {
     for (int row = 0; row < weights_.lines(); ++row) {
       const TileKind kind = weights_.kind_of(polar, row);
-      const std::size_t room = floats_for(kind, row);
+      const std::size_t reserved = floats_for(kind, row);
       const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
-      const std::size_t runs = std::min(tiles, tiles / kStretch + 2 + room / (kRoomFloats / 2));
-      lines_.push_back({floats, indices, runs_.size(), room, runs, false, {}});
+      const std::size_t runs = std::min(tiles, tiles / kStretch + 2 + reserved / (kRoomFloats / 2));
+      lines_.push_back({floats, indices, runs_.size(), reserved, runs, false, {}});
       runs_.resize(runs_.size() + runs * rests);
-      floats += room * rests;
+      floats += reserved * rests;
       indices += 2 * rests * tiles;
       if ((floats + indices) * sizeof(float) > kLargestTableBytes) {
         lines_.clear();

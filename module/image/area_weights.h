@@ -117,12 +117,12 @@ struct TileImage {
   int quarter;    ///< where the distance is counted from, in quarters of the width
   bool mirrored;  ///< columns fall with the distance
   bool below;     ///< rows from the bottom up
-  bool right;     ///< the texel's place on the face: u > 0
+  bool right;     ///< the texel's position on the face: u > 0
   bool lower;     ///< v > 0
   bool swapped;   ///< u and v exchanged
 };
 
-/// How far the place that an image's distances are counted from lies beyond a column's edge, against the way its
+/// How far the position that an image's distances are counted from lies beyond a column's edge, against the way its
 /// columns count, in quarters of a column.
 [[nodiscard]] int rest_of(const TileImage& image, int width) noexcept;
 
@@ -135,7 +135,7 @@ enum class TileKind {
 [[nodiscard]] std::span<const TileImage> images_of(TileKind kind) noexcept;
 
 /// The weights of a run of tiles. `patches` lacks what depends on the image and the lat-long; its columns are counted
-/// from the place of distance 0 and its rows from the pole.
+/// from the position of distance 0 and its rows from the pole.
 struct WeighedRun {
   TileKind kind;
   int line;   ///< counted from the middle of the face: v of the texels
@@ -182,7 +182,7 @@ class SoftCells {
     return {edges_.data() + first, half_ramps_.data() + first, inverses_.data() + first};
   }
 
-  /// The integral between two places of the shares of all cells from edge `edge` on; so that of one cell's share is the
+  /// Integral between two positions of the shares of all cells from edge `edge` on; that of one cell's share is the
   /// difference of two.
   [[nodiscard]] double integral_from_edge(int edge, double from, double to) const noexcept {
     const auto at = static_cast<std::size_t>(std::min(edge, cells_));
@@ -197,7 +197,7 @@ class SoftCells {
     return up_to(to) - up_to(from);
   }
 
-  /// Calls `use(share)` with the integral between two places of each of `count` cells' shares.
+  /// Calls `use(share)` with the integral between two positions of each of `count` cells' shares.
   template <class Use>
   void for_each_share(int first, int count, double from, double to, const Use& use) const {
     double here = integral_from_edge(first, from, to);
@@ -300,7 +300,7 @@ class TileWeights {
     friend bool operator==(const PatchSize&, const PatchSize&) = default;
   };
   [[nodiscard]] PatchSize patch_size(const TileScratch& scratch, int first, int end) const noexcept;
-  /// How many tiles from `first` on go together, with patches of one size.
+  /// Returns how many tiles from `first` on go together, with patches of one size.
   [[nodiscard]] int tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept;
 
   template <class Sides>
@@ -320,7 +320,7 @@ class TileWeights {
 
 // The weights of all tiles of a lat-long and a cube's size, kept for the next time.
 
-/// Which table.
+/// The sizes that identify a table.
 struct TileWeightKey {
   int width;  ///< of the lat-long
   int height;
@@ -344,7 +344,7 @@ class TileWeightTable {
 
   [[nodiscard]] const TileWeights& weights() const noexcept { return weights_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// Whether no line needs to be weighed any more.
+  /// Returns whether no line needs to be weighed any more.
   [[nodiscard]] bool complete() const noexcept;
 
   /// Weighs a line, hands it out and keeps it. Of different lines in different threads at once.

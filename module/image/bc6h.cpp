@@ -93,7 +93,7 @@ constexpr std::array<Layout, kBc6hModes> parsed_layouts() {
 
 constexpr std::array<Layout, kBc6hModes> kRuns = parsed_layouts();
 
-/// Whether every bit that a mode's ends have lies somewhere, and once.
+/// Returns whether every bit that a mode's ends have lies somewhere, and once.
 constexpr bool covers(const Bc6hMode& mode, const Layout& layout) {
   std::array<std::array<std::uint32_t, 3>, 4> found{};
   for (std::size_t k = 0; k < layout.count; ++k) {
@@ -163,7 +163,7 @@ std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
   return static_cast<std::uint16_t>(magnitude | (value < 0 && magnitude != 0 ? 0x8000 : 0));
 }
 
-/// How far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
+/// Returns how far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
 constexpr std::int32_t weight_of(std::int32_t index, bool two_lines) noexcept {
   return two_lines ? 37 * index >> 2 : (17 * index + 2) >> 2;
 }
@@ -186,10 +186,10 @@ Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept {
   if (fields.mode == 0) return fields;
   const Bc6hMode& mode = bc6h_mode(fields.mode);
   const BlockBits bits(block);
-  int place = prefix_bits;
+  int offset = prefix_bits;
   const auto next = [&](int count) {
-    place += count;
-    return static_cast<std::uint32_t>(bits.at(place - count, count));
+    offset += count;
+    return static_cast<std::uint32_t>(bits.at(offset - count, count));
   };
   const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
   for (std::size_t k = 0; k < layout.count; ++k) {

@@ -45,7 +45,7 @@ struct Bc6hFields {
 
 [[nodiscard]] Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept;
 
-/// For modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
+/// Packs a block of modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
 void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
 
 // Which texels of a block with two lines belong to which: plain numbers, as a kernel calls nothing outside, and not

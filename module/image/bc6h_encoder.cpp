@@ -170,7 +170,7 @@ class Balancer {
       lows[static_cast<std::size_t>(k)] = end_of(first[2 * line][c] + k - kReach, fields.mode);
       highs[static_cast<std::size_t>(k)] = end_of(first[2 * line + 1][c] + k - kReach, fields.mode);
     }
-    double least = cost_of(error, rest, c);
+    double lowest = cost_of(error, rest, c);
     for (int choice = 0; choice < kChoices * kChoices; ++choice) {
       const int lane = choice % simd::kLanes;
       if (lane == 0) {
@@ -183,12 +183,12 @@ class Balancer {
       }
       const ChannelError other = tried(lane, wanted_light);
       const double cost = cost_of(other, rest, c);
-      if (cost >= least) continue;
+      if (cost >= lowest) continue;
       Bc6hNumbers numbers = first;
       numbers[2 * line][c] += choice % kChoices - kReach;
       numbers[2 * line + 1][c] += choice / kChoices - kReach;
       if (!store_bc6h_numbers(numbers, c, range_, fields)) continue;
-      least = cost;
+      lowest = cost;
       error = other;
     }
   }
@@ -287,8 +287,8 @@ void encode_two_lines(const BlockGroup& group, const BlockFormat& format, Encode
 EncodedLevels encode_bc6h_images(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
                                  const Control& control) {
   const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines,
-                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
-                              EncodedLevels::Level& level) { level.squares += Balancer(images, own, level).run(); }};
+                           [](const std::vector<LatLongView>& images, const BlockFormat& self,
+                              EncodedLevels::Level& level) { level.squares += Balancer(images, self, level).run(); }};
   return encode_images(levels, format, control);
 }
 

@@ -130,7 +130,7 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
   }
 }
 
-/// Indices by the place along the axis, the outermost texels at the ends, the anchor in the lower half.
+/// Returns indices by the position along the axis, the outermost texels at the ends, the anchor in the lower half.
 template <class Texels>
 WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texels, const Lanes (&axis)[3]) {
   const Projection plain{{axis[0], axis[1], axis[2]}, Lanes(0.0F)};
@@ -142,7 +142,7 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
     most = xsimd::max(most, texels.inside(k, position, Lanes(-kBig)));
   }
   const Lanes anchor = texels.at_anchor([&](int k) WELKIN_INLINE_LAMBDA { return plain.at(block, k); });
-  // The index is the rounded place from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
+  // The index is the rounded position from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
   // the upper half, the ends are exchanged (its index must not have the upper bit).
   const Lanes range = most - least;
   const Mask turned = anchor - least > most - anchor;

@@ -92,7 +92,7 @@ struct BlockFormat {
   /// Changes a level's brightest blocks to keep each channel's mean, once all are encoded.
   void (*balance)(const std::vector<LatLongView>& images, const BlockFormat& format, EncodedLevels::Level& level);
 
-  /// How many partitions of a block are encoded.
+  /// Returns how many partitions of a block are encoded.
   [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
   /// The least value that a block can hold.
   [[nodiscard]] float least() const noexcept { return is_signed ? -kLargestHalf : 0.0F; }

@@ -35,7 +35,7 @@ struct PatchRun {
   std::ptrdiff_t row_stride;    ///< floats from a row to the next
   const std::int32_t* rows;     ///< [count]: first row of each patch
   const std::int32_t* columns;  ///< [count]: first column
-  std::int32_t base;            ///< column 0's place in the image
+  std::int32_t base;            ///< column 0's position in the image
   bool mirrored;                ///< columns count to the left from the one before `base`
   /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
   const float* weights;
@@ -54,7 +54,7 @@ struct CellRow {
   const double* inverses;  ///< 1 / (4 half_ramps), or 0
 };
 
-/// A piece of a tile's boundary, at one place across from one height to another.
+/// A piece of a tile's boundary, at one position across from one height to another.
 struct TileSide {
   double longitude;  ///< radians, from the middle of the face or from v's axis
   double from;

@@ -252,7 +252,7 @@ class Resampler {
   Resampler(const Cells& cells, const Sampler& source, const glm::dmat3& rotation, const Control& control)
       : cells_(cells), source_(source), back_(glm::transpose(rotation)), control_(control) {}
 
-  /// To `cells.rows()` x `cells.columns()` texels of three floats.
+  /// Writes `cells.rows()` x `cells.columns()` texels of three floats.
   void run(float* rgb) const {
     const double texel_samples = 1.0 * cells_.samples_across() * cells_.samples_down();
     const int tile_columns = std::clamp(static_cast<int>(kTileSamples / texel_samples), 1, cells_.columns());
@@ -330,7 +330,7 @@ Cubemap rotate(Cubemap upright, const glm::dmat3& rotation, const Control& contr
   return *image::rotate_exactly(upright.view(), rotation, control);
 }
 
-/// How often `size` doubles to `source_size`; 0 if it does not.
+/// Returns how often `size` doubles to `source_size`; 0 if it does not.
 int halvings(int source_size, int size) {
   int count = 0;
   while (source_size > size && source_size % 2 == 0) {

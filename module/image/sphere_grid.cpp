@@ -190,7 +190,7 @@ class FaceSampler {
     place_polar_columns(row, scratch, taps);
   }
 
-  /// From the places of the left half.
+  /// Fills in the positions of the right half from those of the left half.
   void place_rings(Scratch& scratch, const Taps& rings) const {
     for (int column = half_; column < size_; ++column) {
       scratch.positions[static_cast<std::size_t>(column)] =

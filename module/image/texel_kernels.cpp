@@ -105,7 +105,7 @@ struct Factors {
   float h_squared;
 };
 
-/// Where in `weights` each of the nine functions goes: place[l(l+1)+m] rows down.
+/// Where in `weights` each of the nine functions goes: slot[l(l+1)+m] rows down.
 struct Rows {
   float* weights;
   const int* slot;

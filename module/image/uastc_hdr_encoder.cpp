@@ -284,15 +284,15 @@ class Balancer {
 EncodedLevels encode_uastc_hdr_images(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
                                       const Control& control) {
   const BlockFormat format{effort, false,
-                           [](BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
-                             encode_single_lines(group, own.effort, to, nullptr);
+                           [](BlockGroup& group, const BlockFormat& self, EncodedBlocks& to) {
+                             encode_single_lines(group, self.effort, to, nullptr);
                            },
-                           [](const BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
+                           [](const BlockGroup& group, const BlockFormat& self, EncodedBlocks& to) {
                              std::fill_n(to.errors, kLanes, kNoBlock);
-                             improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
+                             improve_by_two_lines(group, self.partitions_tried(), to, nullptr);
                            },
-                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
-                              EncodedLevels::Level& level) { Balancer(images, own, level).run(); }};
+                           [](const std::vector<LatLongView>& images, const BlockFormat& self,
+                              EncodedLevels::Level& level) { Balancer(images, self, level).run(); }};
   return encode_images(levels, format, control);
 }
 

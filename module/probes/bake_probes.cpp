@@ -156,7 +156,7 @@ BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions
   return probes;
 }
 
-/// `from`'s values of a probe to `to`'s place for it.
+/// Copies `from`'s values of a probe to its slot in `to`.
 template <class Value>
 void copy_probe(const std::vector<Value>& from, std::size_t of, std::vector<Value>& to, std::size_t at,
                 std::size_t values) {

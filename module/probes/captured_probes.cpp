@@ -54,13 +54,13 @@ void for_each_neighbour(const ProbeGrid& grid, const std::vector<Neighbour>& nei
                         const Take& take) {
   const auto columns = static_cast<std::size_t>(grid.counts[0]);
   const auto rows = static_cast<std::size_t>(grid.counts[1]);
-  const std::array<int, 3> place{static_cast<int>(probe % columns), static_cast<int>(probe / columns % rows),
-                                 static_cast<int>(probe / columns / rows)};
+  const std::array<int, 3> position{static_cast<int>(probe % columns), static_cast<int>(probe / columns % rows),
+                                    static_cast<int>(probe / columns / rows)};
   for (const Neighbour& neighbour : neighbours) {
     std::array<std::size_t, 3> at{};
     bool inside = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int there = place[axis] + neighbour.step[axis];
+      const int there = position[axis] + neighbour.step[axis];
       inside = inside && there >= 0 && there < grid.counts[axis];
       at[axis] = static_cast<std::size_t>(inside ? there : 0);
     }

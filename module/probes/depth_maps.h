@@ -32,7 +32,7 @@ struct DepthRules {
   int distance_power;     ///< of the cosine
 };
 
-/// Reads depths of one size. Tables are made once; then any number of threads may read, each with its own room.
+/// Reads depths of one size. Tables are made once; then any number of threads may read, each with its own scratch.
 class DepthMaps {
  public:
   DepthMaps(int size, const DepthRules& rules);

@@ -11,7 +11,7 @@
 namespace welkin::probes {
 
 inline constexpr int kMaxBands = 4;
-inline constexpr double kFarthest = 1e15;       ///< of places and origins: floats square it without an overflow
+inline constexpr double kFarthest = 1e15;       ///< of positions and origins: floats square it without an overflow
 inline constexpr std::uint8_t kUnfilled = 255;  ///< in `BakedProbes::passes`
 inline constexpr std::uint8_t kLastPass = 254;  ///< in `BakedProbes::passes`, of that pass and all later ones
 

@@ -83,7 +83,7 @@ void check_brdf(const BrdfTableOptions& options);
 [[nodiscard]] std::shared_ptr<const BrdfTable> shared_brdf(const BrdfTableOptions& options, const Control& control,
                                                            bool& made);
 
-/// How many floats a table has.
+/// Returns how many floats a table has.
 [[nodiscard]] std::size_t brdf_values(const BrdfTableOptions& options) noexcept;
 
 /// A new table, whatever is cached; options must have been checked. As `brdf_table` otherwise.

@@ -297,7 +297,7 @@ std::size_t BrightLights::most_bytes(std::size_t texels, const ImageShape& shape
   return tree_bytes(texels, leaves, shape, lobes) + workers * Scratch::bytes(leaves);
 }
 
-/// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
+/// As many scratches as there are workers, for all mips together: a tile takes one while it runs.
 class BrightLights::ScratchPool {
  public:
   ScratchPool(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
@@ -401,15 +401,15 @@ void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const L
   std::fill_n(scratch.sums.begin(), 3 * count, 0.0F);
   if (!field.dark()) field.write(area, count, scratch.sums.data());
   if (!scratch.runs.empty() || !scratch.parts.empty()) {
-    auto place = std::size_t{0};
+    auto index = std::size_t{0};
     for (int row = area.row; row < area.end_row; ++row) {
-      for (int column = area.column; column < area.end_column; ++column, ++place) {
-        scratch.u[place] = static_cast<float>(place_on_face(column, area.size));
-        scratch.v[place] = static_cast<float>(place_on_face(row, area.size));
+      for (int column = area.column; column < area.end_column; ++column, ++index) {
+        scratch.u[index] = static_cast<float>(place_on_face(column, area.size));
+        scratch.v[index] = static_cast<float>(place_on_face(row, area.size));
       }
     }
-    std::fill(scratch.u.begin() + texels, scratch.u.begin() + count, scratch.u[place - 1]);
-    std::fill(scratch.v.begin() + texels, scratch.v.begin() + count, scratch.v[place - 1]);
+    std::fill(scratch.u.begin() + texels, scratch.u.begin() + count, scratch.u[index - 1]);
+    std::fill(scratch.v.begin() + texels, scratch.v.begin() + count, scratch.v[index - 1]);
     sum_runs(area.face, count, lobe, scratch);
   }
   const float* sums = scratch.sums.data();

@@ -112,7 +112,7 @@ class Search {
   }
 
   /// Adds the band's bright texels, not parted yet: their light, and that of the darkest texel of the cell.
-  /// Whether one of them is in a bright cell.
+  /// Returns whether one of them is in a bright cell.
   bool collect(int band, std::span<const Cell> cells, std::vector<BrightTexel>& found) const {
     bool bright = false;
     for (int row = first_row(band); row < end_row(band); ++row) {

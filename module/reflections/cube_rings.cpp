@@ -104,11 +104,11 @@ void RingTable::gather(const std::vector<const float*>& faces, const RingWeights
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
-    const auto place = [&](int column) {
+    const auto source_texel = [&](int column) {
       return image::texel_at(size, moved(image, row.first + glm::ivec3(2 * column, 0, 0)));
     };
-    const image::CubeTexel from = place(0);
-    const image::CubeTexel next = place(row.count > 1 ? 1 : 0);
+    const image::CubeTexel from = source_texel(0);
+    const image::CubeTexel next = source_texel(row.count > 1 ? 1 : 0);
     const RecordCopy copy{faces.data(), from.face * size + from.row, next.row - from.row,
                           from.column,  next.column - from.column,   row.count,
                           size};
@@ -118,16 +118,16 @@ void RingTable::gather(const std::vector<const float*>& faces, const RingWeights
 
 void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   const int columns = 2 * key_.rows;
-  RingLayout places{};
+  RingLayout layout{};
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;
     // the first of the sixteenth's columns in the image: mirrored ones go back from the line where it begins
     const int column = (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
-    places.to[k] = rgb + 3 * (line * columns + column);
-    places.step[k] = image.mirrored ? -3 : 3;
+    layout.to[k] = rgb + 3 * (line * columns + column);
+    layout.step[k] = image.mirrored ? -3 : 3;
   }
-  ring_kernels().sum_ring_taps(run, places);
+  ring_kernels().sum_ring_taps(run, layout);
 }
 
 void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const {

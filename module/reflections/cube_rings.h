@@ -38,10 +38,10 @@ class RingTable {
  public:
   static constexpr std::size_t kLargestTable = std::size_t{112} << 20U;
 
-  /// From a bounded cache. Throws `Error` (cancelled) while it makes one.
+  /// Returns a table from a bounded cache. Throws `Error` (cancelled) while it makes one.
   static std::shared_ptr<const RingTable> get(const RingTableKey& key, const Control& control = {});
 
-  /// By all threads. Keeps no weights if they would take more than `largest` bytes. Throws `Error` (cancelled).
+  /// Makes a table on all threads. Keeps no weights of more than `largest` bytes. Throws `Error` (cancelled).
   explicit RingTable(const RingTableKey& key, const Control& control = {}, std::size_t largest = kLargestTable);
 
   /// Writes 2 rows x rows texels. `faces`: rows of packed RGB, face after face. The same bits on any number of threads.

@@ -42,17 +42,17 @@ double LightField::point(int first, int end, int size, std::size_t k) noexcept {
   return span.middle + span.half * kNodes[k];
 }
 
-/// At the products of places along both axes, to[channel][row][column].
-template <std::size_t Places>
-void LightField::interpolate(const Shares<Places>& down, const Shares<Places>& across, float* to) const {
+/// Interpolates at the products of positions along both axes, to[channel][row][column].
+template <std::size_t Points>
+void LightField::interpolate(const Shares<Points>& down, const Shares<Points>& across, float* to) const {
   for (std::size_t c = 0; c < 3; ++c) {
     const float* const from = values_.data() + c * kPoints;
-    for (std::size_t row = 0; row < Places; ++row, to += Places) {
+    for (std::size_t row = 0; row < Points; ++row, to += Points) {
       std::array<float, kEdge> line{};
       for (std::size_t j = 0; j < kEdge; ++j) {
         for (std::size_t i = 0; i < kEdge; ++i) line[i] += down[j][row] * from[j * kEdge + i];
       }
-      for (std::size_t k = 0; k < Places; ++k)
+      for (std::size_t k = 0; k < Points; ++k)
         to[k] = (line[0] * across[0][k] + line[1] * across[1][k]) + (line[2] * across[2][k] + line[3] * across[3][k]);
     }
   }

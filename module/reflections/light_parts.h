@@ -1,4 +1,4 @@
-// Texels as lights: their places, points that stand for them and parts that the horizon cuts.
+// Texels as lights: their positions, points that stand for them and parts that the horizon cuts.
 #pragma once
 
 #include <array>
@@ -54,7 +54,7 @@ class Directions {
   std::vector<Kept> kept_;
 };
 
-/// Light at a place of the image.
+/// Light at a position of the image.
 struct Sample {
   int face = 0;
   double column = 0.0;

@@ -84,7 +84,7 @@ double Lobe::value(double cosine) const noexcept {
   return value_at(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
 }
 
-/// From the axis on, so that panels come out in order. Each is halved until its last coefficients are small.
+/// Makes panels from the axis on, so that they come out in order. Each is halved until its last coefficients are small.
 ///
 /// On a panel, mapped to x from -1 to 1, the coefficient of P_j is (j + 1/2) Int k P_j dx. The rule of 20 points is
 /// exact up to degree 39: for a polynomial of degree 19 these are the coefficients of the polynomial through its
@@ -198,7 +198,7 @@ void Lobe::measure() {
   hemisphere_ = broken && below == 0.0;
 }
 
-/// By the ends of what it looks at, so that nothing between them is missed.
+/// Decides by the ends of what it looks at, so that nothing between them is missed.
 void Lobe::find_where_seen() {
   constexpr int kSteps = 32;  // of a panel
   nearest_ = 1.0;

@@ -187,12 +187,12 @@ void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piec
   const int part = piece.row / size;
   const int row = piece.row % size;
   const auto [first, end] = piece.columns;
-  const image::FaceImage& own = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
+  const image::FaceImage& from = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
   const RecordCopy copy{rows.data(),
-                        own.face * size + own.row + first * own.across_rows + row * own.down_rows,
-                        own.across_rows,
-                        own.column + first * own.across_columns + row * own.down_columns,
-                        own.across_columns,
+                        from.face * size + from.row + first * from.across_rows + row * from.down_rows,
+                        from.across_rows,
+                        from.column + first * from.across_columns + row * from.down_columns,
+                        from.across_columns,
                         end - first,
                         size};
   copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
@@ -230,7 +230,7 @@ class NearSums {
   NearSums(const NearTable& table, const std::array<float*, 6>& faces) : table_(table), faces_(faces) {
     for (int rotation = 0; rotation < turns_of(table.split()); ++rotation) {
       for (int image = 0; image < kRingImages; ++image) {
-        for (const bool cap : {false, true}) places_[rotation][cap ? 1 : 0][image] = place_of(rotation, image, cap);
+        for (const bool cap : {false, true}) rows_[rotation][cap ? 1 : 0][image] = mirrored_row(rotation, image, cap);
       }
     }
   }
@@ -245,14 +245,14 @@ class NearSums {
     std::ptrdiff_t other = 0;
   };
 
-  [[nodiscard]] MirroredRow place_of(int rotation, int image, bool cap) const;
+  [[nodiscard]] MirroredRow mirrored_row(int rotation, int image, bool cap) const;
 
   const NearTable& table_;
   std::array<float*, 6> faces_;
-  MirroredRow places_[kTurns][2][kRingImages];
+  MirroredRow rows_[kTurns][2][kRingImages];
 };
 
-NearSums::MirroredRow NearSums::place_of(int rotation, int image, bool cap) const {
+NearSums::MirroredRow NearSums::mirrored_row(int rotation, int image, bool cap) const {
   const int size = table_.split().size;
   const auto pixel = [&](int across, int other) {
     const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
@@ -278,15 +278,14 @@ void NearSums::add(std::size_t tile, int rotation, const NearRecords& records, S
     taps.weights = kernels.sum_runs(taps, scratch.sums);
     taps.runs += taps.count;
     const bool cap = direction->y == table_.split().size;
-    const auto& positions = places_[rotation][cap ? 1 : 0];
+    const auto& positions = rows_[rotation][cap ? 1 : 0];
     const bool next = k > 0 && direction->x == direction[-1].x + 2;  // in its row
     for (std::size_t image = 0; image < kRingImages; ++image) {
-      const MirroredRow& place = positions[image];
+      const MirroredRow& row = positions[image];
       if (next)
-        texels[image] += place.across;
+        texels[image] += row.across;
       else
-        texels[image] =
-            place.first + direction->x / 2 * place.across + (cap ? direction->z : direction->y) / 2 * place.other;
+        texels[image] = row.first + direction->x / 2 * row.across + (cap ? direction->z : direction->y) / 2 * row.other;
       for (std::size_t c = 0; c < 3; ++c) texels[image][c] += scratch.sums[3 * image + c];
     }
   }

@@ -47,7 +47,7 @@ double sine_squared_of_half(double radians) {
   return sine * sine;
 }
 
-/// From the least to the largest of some numbers.
+/// An interval from the minimum to the maximum of some numbers.
 struct Interval {
   void take(double value) {
     first = std::min(first, value);
@@ -60,9 +60,9 @@ struct Interval {
 
 /// Returns the columns, or rows, that lie within an interval from -1 to 1 of a face of `size`.
 ColumnRange texels_of(const Interval& interval, int size) {
-  const auto place = [&](double at) { return 0.5 * size * (1.0 + std::clamp(at, -1.0, 1.0)); };
+  const auto position = [&](double at) { return 0.5 * size * (1.0 + std::clamp(at, -1.0, 1.0)); };
   if (!(interval.first < 1.0 && interval.end > -1.0)) return {0, 0};
-  return {static_cast<int>(place(interval.first)), std::min(size, static_cast<int>(place(interval.end)) + 1)};
+  return {static_cast<int>(position(interval.first)), std::min(size, static_cast<int>(position(interval.end)) + 1)};
 }
 
 constexpr bool empty(const ColumnRange& range) { return range.first >= range.end; }
@@ -178,9 +178,9 @@ Interval across_cone(double x, double z, const math::SineCosine& reach) {
   return {-kInfinity, product / (x * z - root)};
 }
 
-/// Returns a range from a place on, and another.
-ColumnRange with(const ColumnRange& range, const ColumnRange& other, int place) {
-  return {std::min(range.first, other.first - place), std::max(range.end, other.end - place)};
+/// Returns the union of a range and of another that is counted from an offset on.
+ColumnRange with(const ColumnRange& range, const ColumnRange& other, int offset) {
+  return {std::min(range.first, other.first - offset), std::max(range.end, other.end - offset)};
 }
 
 }  // namespace
@@ -246,11 +246,11 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   for (std::size_t k = 0; k < kLanes; ++k) {
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
-    const double own = math::turns_of(d.y, flat);
+    const double elevation = math::turns_of(d.y, flat);
     // Column 0 begins at longitude 180 degrees (0.5 turns), row 0 at the pole (0.25 turns).
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
-    const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
-    latitude.take(own);
+    const double row = clear_of_lines((0.25 - elevation) * 2.0 * rows);
+    latitude.take(elevation);
     part_rows.take(row - whole_below(row));
     window.column[k] = whole_below(column);
     window.row[k] = std::min(whole_below(row), rows - 1);

@@ -99,7 +99,7 @@ struct PrefilterPlan {
   /// bands the image decides: step 0 is where it begins, any other no image makes it exceed.
   [[nodiscard]] PrefilterPlan at_step(int step, const ImageShape& image) const;
 
-  /// Whether a mip is made by this method.
+  /// Returns whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
   /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the

@@ -170,7 +170,7 @@ struct RingBand {
 
 struct RingKernels {
   /// Sums of weight times record, tap after tap.
-  void (*sum_ring_taps)(const RingRun& run, const RingLayout& places);
+  void (*sum_ring_taps)(const RingRun& run, const RingLayout& layout);
 
   /// light[k] = radiance[k] steradians[k].
   void (*weigh_light)(const float* radiance, const float* steradians, int count, float* light);
@@ -178,9 +178,9 @@ struct RingKernels {
   /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
   void (*halve_row)(const HalvedRow& row, float* rgb);
 
-  /// values[i][k] = the polynomial of cell cells[i] and neighbour k at places[i]. `coefficients`:
+  /// values[i][k] = the polynomial of cell cells[i] and neighbour k at points[i]. `coefficients`:
   /// [cell][power][neighbour], the highest power first.
-  void (*evaluate_shares)(const float* coefficients, const int* cells, const float* places, int count, float* values);
+  void (*evaluate_shares)(const float* coefficients, const int* cells, const float* points, int count, float* values);
 
   /// The points' shares times widths, moved to a part's columns and made to add up to what the ends say.
   void (*share_columns)(const ColumnShares& shares, int* columns, float* across);

@@ -179,7 +179,7 @@ double unclamped(const DensityLayer& layer, double altitude) noexcept {
   return value;
 }
 
-/// Where the formula, monotone between `low` and `high`, passes `level`: by halving, to the last bit.
+/// Returns where the formula, monotone between `low` and `high`, passes `level`: by bisection, to the last bit.
 void add_crossing(const DensityLayer& layer, double level, double low, double high, std::vector<double>& breaks) {
   const double first = unclamped(layer, low);
   const double last = unclamped(layer, high);

@@ -192,14 +192,14 @@ SunPosition sun_position(double unix_seconds, const SunObserver& observer) {
   const Apparent sun = apparent_sun(unix_seconds);
   const double hour_angle = sun.sidereal_time + observer.longitude_degrees / 360.0 - sun.right_ascension;  // (32)
   const auto hour = math::sine_cosine_of_turns(hour_angle - std::floor(hour_angle));
-  const auto place = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
+  const auto latitude = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
   const auto declination = math::sine_cosine_of_turns(sun.declination);
   // The sun's unit vector (cos d cos H, cos d sin H, sin d), H the hour angle westwards, rotated about the west axis by
   // the colatitude. Angles follow by arctangents of two components: the arcsine of (41) loses half of its digits near
   // the zenith.
-  const double south = declination.cosine * hour.cosine * place.sine - declination.sine * place.cosine;
+  const double south = declination.cosine * hour.cosine * latitude.sine - declination.sine * latitude.cosine;
   const double west = declination.cosine * hour.sine;
-  const double up = declination.sine * place.sine + declination.cosine * hour.cosine * place.cosine;
+  const double up = declination.sine * latitude.sine + declination.cosine * hour.cosine * latitude.cosine;
   const double level = std::sqrt(south * south + west * west);
 
   SunPosition position;

@@ -72,7 +72,7 @@ class Sunlight {
   std::vector<float> rows_;  ///< [heights][zeniths][4]
 };
 
-// The direct sun at a place, by the tables.
+// The direct sun at a position, by the tables.
 
 /// Steradians: a disc of less is a point, whose radiance would overflow.
 inline constexpr double kPoint = 1e-60;

@@ -169,7 +169,7 @@ void Scheduler::put_in_inbox(std::unique_ptr<Submission> submission) {
   const LockedState state(*this, Lock(mutex_, std::try_to_lock));
 }
 
-/// After the mutex was unlocked. An exchange and not a load, so that it has a place in the order of the inbox's
+/// Called after the mutex was unlocked. An exchange and not a load, so that it is ordered among the inbox's
 /// changes: a submission comes before it, and is seen, or after it, and then its thread sees the mutex unlocked.
 bool Scheduler::inbox_has_something() noexcept {
   Submission* none = nullptr;
@@ -221,19 +221,19 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   }
 }
 
-/// Returns why a job that may be beyond the limits is refused. Without a reason, it has its place within them.
+/// Returns why a job that may be beyond the limits is refused. Without a reason, its slot within them is reserved.
 std::optional<ErrorCode> Scheduler::reason_to_refuse(const Submission& submission) {
   if (closed_) return ErrorCode::stopped;
   const std::uint64_t bytes = submission.job->computation->bytes;
   if (bytes > options_.max_bytes) return ErrorCode::limit_exceeded;
-  // Withdrawing a waiting job of the same key makes room at once.
+  // Withdrawing a waiting job of the same key frees its slot at once.
   const auto newest = newest_.find(submission.job->key);
   const bool frees = newest != newest_.end() && is_waiting(*newest->second->computation);
   const bool fits = reserve(bytes, frees ? 1 : 0, frees ? newest->second->computation->bytes : 0);
   return fits ? std::nullopt : std::optional(ErrorCode::queue_full);
 }
 
-/// A job with a place within the limits.
+/// Admits a job that has a slot within the limits.
 void Scheduler::admit(Submission& submission, AfterUnlock& work) {
   const std::shared_ptr<JobRecord>& job = submission.job;
   const std::shared_ptr<Computation>& posted = job->computation;
@@ -344,7 +344,7 @@ void Scheduler::tell_jobs_of(AfterUnlock& work) {
   }
 }
 
-/// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
+/// Called without the mutex. All jobs have their errors before any coroutine goes on, as it may wait for one of them.
 void Scheduler::carry_out(AfterUnlock& work) {
   // User code may throw out of a coroutine, a destructor or a stop callback, and no caller could catch it, as on a
   // thread of the worker.
@@ -438,7 +438,7 @@ void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, Computa
   computation->place = in_front ? list.begin() : std::prev(list.end());
 }
 
-/// For a thread, unless none will come.
+/// Lets a computation wait for a thread, unless none will come.
 void Scheduler::let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
                          AfterUnlock& work) {
   enqueue(computation, from, in_front);
@@ -472,7 +472,7 @@ void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
 
 // Threads.
 
-/// With the mutex held: whom to call for what waits.
+/// Plans, with the mutex held, which threads to call for computations that wait.
 void Scheduler::plan_calls(AfterUnlock& work) {
   if (own_threads_) {
     // While something runs, threads that are parked may be inside of its tasks, and it does not show which: all are
@@ -488,7 +488,7 @@ void Scheduler::plan_calls(AfterUnlock& work) {
   }
 }
 
-/// Without the mutex, and without any other lock: `post` comes through here.
+/// Called without the mutex, and without any other lock: `post` comes through here.
 void Scheduler::wake_workers(AfterUnlock& work) {
   if (own_threads_) {
     own_threads_->call(std::exchange(work.startable, 0));

@@ -98,7 +98,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void wait(const JobRecord& job);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
-  /// After `terminate`, when the worker goes: drops what was not drained, and lets go of threads that cannot be waited
+  /// Called after `terminate`, when the worker goes. Drops what was not drained, lets go of threads not to be waited
   /// for because this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
   void abandon_rest();
   void wait_until_idle();
@@ -131,7 +131,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
     Lock lock_;
   };
 
-  /// Whether this process is a fork of the one that the worker, and all of its threads, are in.
+  /// Returns whether this process is a fork of the one that the worker, and all of its threads, are in.
   [[nodiscard]] bool is_forked() const noexcept;
   /// Throws `Error` (stopped) in one.
   void require_own_process() const;

@@ -54,7 +54,7 @@ glm::dvec2 azimuth(const glm::dvec3& sun) {
   return across > 0.0 ? glm::dvec2(sun.x / across, sun.z / across) : glm::dvec2(0.0, 1.0);
 }
 
-/// About the vertical, from one sun's azimuth to the other's.
+/// Returns the rotation about the vertical from one sun's azimuth to the other's.
 glm::dmat3 rotate(const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec2 a = azimuth(from);
   const glm::dvec2 b = azimuth(to);
@@ -256,11 +256,11 @@ void SkyLight::State::take_news() {
 }
 
 void SkyLight::State::let_go(std::shared_ptr<const void> old) {
-  const auto place = std::find(garbage.begin(), garbage.end(), nullptr);
-  if (place != garbage.end()) *place = std::move(old);
+  const auto slot = std::find(garbage.begin(), garbage.end(), nullptr);
+  if (slot != garbage.end()) *slot = std::move(old);
 }
 
-/// Whether anything moved.
+/// Returns whether anything moved.
 bool SkyLight::State::advance(double seconds) {
   const double step = options.blend_seconds > 0.0 ? seconds / options.blend_seconds : 1.0;
   bool moved = false;

@@ -19,11 +19,11 @@
 namespace welkin::detail {
 namespace {
 
-/// Returns whether oneTBB can make the threads of the process's pool and leave memory for `own` threads of ours and for
+/// Returns whether oneTBB can make the threads of the process's pool and leave memory for `threads` of ours and for
 /// the work. Where it cannot, it would end the process.
-bool can_make_pool_threads(int own) {
+bool can_make_pool_threads(int threads) {
   const AddressReserve reserve(kRoomForWork);
-  return reserve.held() && can_make_threads(tbb::info::default_concurrency() - 1 + own);
+  return reserve.held() && can_make_threads(tbb::info::default_concurrency() - 1 + threads);
 }
 
 /// Has oneTBB make the threads of the process's pool now, and from here. It makes them when they are first wanted, and
@@ -64,9 +64,9 @@ void ThreadExecutor::set_up_thread(int number) const noexcept {
   char suffix[8] = {};
   std::snprintf(suffix, sizeof suffix, "%d", number);
   // The name is cut, not the suffix that distinguishes the threads.
-  const int room = static_cast<int>(kMaxNameCharacters - std::strlen(suffix) - 1);
+  const int name_length = static_cast<int>(kMaxNameCharacters - std::strlen(suffix) - 1);
   char name[kMaxNameCharacters + 1] = {};
-  std::snprintf(name, sizeof name, "%.*s %s", room, name_.c_str(), suffix);
+  std::snprintf(name, sizeof name, "%.*s %s", name_length, name_.c_str(), suffix);
   name_current_thread(name);
   rank_current_thread(priority_);
 }

@@ -97,11 +97,11 @@ class ThreadRole {
   ThreadRole(const ThreadRole&) = delete;
   ThreadRole& operator=(const ThreadRole&) = delete;
 
-  /// Whether the thread is either kind, and so must not wait for the scheduler's work to end.
+  /// Returns whether the thread is either kind, and so must not wait for the scheduler's work to end.
   [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept {
     return is_worker(scheduler) || has(scheduler, bystander);
   }
-  /// Whether the scheduler may run computations on it.
+  /// Returns whether the scheduler may run computations on it.
   [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept { return has(scheduler, worker); }
   /// The scheduler that may run computations on the thread, the innermost one; null if there is none.
   [[nodiscard]] static Scheduler* scheduler() noexcept {
