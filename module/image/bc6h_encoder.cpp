@@ -333,13 +333,13 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
   constexpr double floor = 1.0 / 16384.0;
   const auto values = 3 * static_cast<std::size_t>(given.size);
   std::vector<float> row(values);
-  const float least = is_signed ? -image::kLargestHalf : 0.0F;
+  const float minimum = is_signed ? -image::kLargestHalf : 0.0F;
   double sum = 0.0;
   for (int line = 0; line < given.size; ++line, decoded += values) {
     image::decode_texels(given.format, image::row_of(given, face, line), given.size, row.data());
     for (std::size_t k = 0; k < values; ++k) {
       // As the encoder clamps it, so that what a half cannot hold is no error of the blocks.
-      const float held = row[k] >= least ? std::min(row[k], image::kLargestHalf) : row[k] < least ? least : 0.0F;
+      const float held = row[k] >= minimum ? std::min(row[k], image::kLargestHalf) : row[k] < minimum ? minimum : 0.0F;
       const auto value = static_cast<double>(held);
       const double error = (static_cast<double>(decoded[k]) - value) / std::max(std::abs(value), floor);
       sum += error * error;

@@ -53,7 +53,7 @@ class AlbedoQuadrature {
  private:
   std::vector<float> azimuth_cosines_;
   std::vector<float> azimuth_weights_;
-  std::vector<float> radius_places_;
+  std::vector<float> radius_positions_;
   std::vector<float> radius_weights_;
 };
 

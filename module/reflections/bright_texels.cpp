@@ -104,9 +104,9 @@ class Search {
     for (int row = first_row(band); row < end_row(band); ++row) {
       for (int column = 0; column < source_.columns(); ++column) {
         Cell& cell = cells[first + cell_of(band, column)];
-        const double own = light(row, column);
-        cell.darkest = std::min(own, cell.darkest);
-        cell.blurred += own * angle_of(row, column) * scale_;
+        const double value = light(row, column);
+        cell.darkest = std::min(value, cell.darkest);
+        cell.blurred += value * angle_of(row, column) * scale_;
       }
     }
   }
@@ -118,8 +118,8 @@ class Search {
     for (int row = first_row(band); row < end_row(band); ++row) {
       if (!(static_cast<double>(source_.range(row).largest) > threshold_)) continue;
       for (int column = 0; column < source_.columns(); ++column) {
-        const double own = light(row, column);
-        if (!(own > threshold_)) continue;
+        const double value = light(row, column);
+        if (!(value > threshold_)) continue;
         const Cell& cell = cells[starts_[static_cast<std::size_t>(band)] + cell_of(band, column)];
         bright = bright || cell.blurred > kOfCell * threshold_;
         BrightTexel texel{row, column, {}, {}, angle_of(row, column)};
@@ -142,8 +142,8 @@ class Search {
     const double mean = source_.cubemap() && dark_ < mean_ ? mean_of_faces() : mean_;
     const double mean_of_others = std::max(0.0, mean - taken / (4.0 * kPi));
     for (BrightTexel& texel : found) {
-      const double own = light(texel.row, texel.column);
-      const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / own);
+      const double whole = light(texel.row, texel.column);
+      const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / whole);
       for (std::size_t c = 0; c < 3; ++c) {
         const float value = texel.excess[c];
         texel.rest[c] = value > 0.0F ? value * factor : value;
@@ -191,10 +191,10 @@ class Search {
     std::array<Texels, kExponents> by_exponent{};
     double whole = 0.0;
     look_around([&](int row, int column) {
-      const double own = light(row, column);
-      Texels& of = by_exponent[(platform::bit_cast<std::uint32_t>(static_cast<float>(own)) >> 23U) & 0xFFU];
+      const double value = light(row, column);
+      Texels& of = by_exponent[(platform::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 23U) & 0xFFU];
       of.steradians += angle_of(row, column);
-      of.light += own * angle_of(row, column);
+      of.light += value * angle_of(row, column);
       whole += angle_of(row, column);
     });
     // from the darkest on; of the exponent that two thirds end in, which spans a factor of 2, a share as bright as all

@@ -154,11 +154,11 @@ void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const C
         const int band = static_cast<int>(tile) / parts;
         const int part = static_cast<int>(tile) % parts;
         const Band made = bands_.empty() ? weigh(band) : Band();
-        const Band& own = bands_.empty() ? made : bands_[static_cast<std::size_t>(band)];
+        const Band& used = bands_.empty() ? made : bands_[static_cast<std::size_t>(band)];
         const int first = weights_.first_ring(band);
         const int rings = weights_.first_ring(band + 1) - first;
         for (int k = rings * part / parts; k < rings * (part + 1) / parts; ++k)
-          sum({records.data(), own.taps.data(), own.ends.data() + std::ptrdiff_t{width} * k, width}, first + k, rgb);
+          sum({records.data(), used.taps.data(), used.ends.data() + std::ptrdiff_t{width} * k, width}, first + k, rgb);
       });
 }
 

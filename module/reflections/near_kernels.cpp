@@ -546,10 +546,10 @@ const float* sum_runs(const NearTaps& taps, float* sums) {
   const float* weights = taps.weights;
   for (const NearRun* run = taps.runs; run != taps.runs + taps.count; ++run) {
     const float* const records = taps.records + (taps.rows[run->row] + std::ptrdiff_t{run->first} * kRecordFloats);
-    const auto add = [weights, records](Lanes* own, int i) WELKIN_INLINE_LAMBDA {
+    const auto add = [weights, records](Lanes* to, int i) WELKIN_INLINE_LAMBDA {
       const Lanes weight(weights[i]);
       for (int r = 0; r < kRegisters; ++r)
-        own[r] += weight * Lanes::load_aligned(records + i * kRecordFloats + r * kWidth);
+        to[r] += weight * Lanes::load_aligned(records + i * kRecordFloats + r * kWidth);
     };
     for (int i = 0; i < run->count;) {
       const int first = i;

@@ -99,10 +99,10 @@ std::shared_ptr<const NearTable> NearTable::get(const NearSplit& split) {
   return cache.get(split, [&] { return std::make_shared<const NearTable>(split); });
 }
 
-const NearTile& NearTable::tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const {
+const NearTile& NearTable::tile(std::size_t index, NearTile& made, NearWeights::Scratch& scratch) const {
   if (!tiles_.empty()) return tiles_[index];
-  weights_.make(index, own, scratch);
-  return own;
+  weights_.make(index, made, scratch);
+  return made;
 }
 
 std::size_t NearTable::bytes() const noexcept {
@@ -268,13 +268,13 @@ NearSums::MirroredRow NearSums::mirrored_row(int rotation, int image, bool cap) 
 
 // A direction that is its own image adds its share to that texel several times.
 void NearSums::add(std::size_t tile, int rotation, const NearRecords& records, Scratch& scratch) const {
-  const NearTile& own = table_.tile(tile, scratch.tile, scratch.weights);
+  const NearTile& made = table_.tile(tile, scratch.tile, scratch.weights);
   const glm::ivec3* direction = table_.weights().directions().data() + NearWeights::first_of(tile);
   const NearKernels& kernels = near_kernels();
-  NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
+  NearTaps taps{records.data(), records.rows(), made.runs.data(), 0, made.weights.data()};
   std::array<float*, kRingImages> texels{};
-  for (std::size_t k = 0; k < own.runs_ends.size(); ++k, ++direction) {
-    taps.count = static_cast<int>(own.runs.data() + own.runs_ends[k] - taps.runs);
+  for (std::size_t k = 0; k < made.runs_ends.size(); ++k, ++direction) {
+    taps.count = static_cast<int>(made.runs.data() + made.runs_ends[k] - taps.runs);
     taps.weights = kernels.sum_runs(taps, scratch.sums);
     taps.runs += taps.count;
     const bool cap = direction->y == table_.split().size;

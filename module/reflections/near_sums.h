@@ -27,7 +27,7 @@ class NearTable {
   [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
   [[nodiscard]] const NearWeights& weights() const noexcept { return weights_; }
   /// Returns a tile of weights; made in `scratch` where all of them are too many to be kept.
-  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const;
+  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& made, NearWeights::Scratch& scratch) const;
 
   /// Returns the columns of each row of the source's parts that any weight is of; of a lat-long they go on beyond the
   /// ends of the image's rows.

@@ -367,16 +367,16 @@ void NearWeights::take_runs(std::size_t lane, Scratch& scratch) const {
     const Window& window = scratch.windows[k];
     if (window.column[lane] == kNowhere) continue;
     int row = window.part * part_rows + window.row[lane] + window.first_row;
-    for (const Window::Row& own : window.rows) {
-      const float* const weights = scratch.weights.data() + own.weights + lane;
+    for (const Window::Row& line : window.rows) {
+      const float* const weights = scratch.weights.data() + line.weights + lane;
       const auto weight = [&](int i) { return weights[static_cast<std::ptrdiff_t>(i) * simd::kLanes]; };
-      const int count = own.range.columns.end - own.range.columns.first;
+      const int count = line.range.columns.end - line.range.columns.first;
       int first = 0;
       int end = count;
       while (first < end && weight(first) == 0.0F) ++first;
       while (first < end && weight(end - 1) == 0.0F) --end;
       if (first < end) {
-        scratch.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
+        scratch.made.runs.push_back({row, window.column[lane] + line.range.columns.first + first, end - first});
         const std::size_t before = scratch.made.weights.size();
         scratch.made.weights.resize(before + static_cast<std::size_t>(end - first));
         float* const made = scratch.made.weights.data() + before;

@@ -55,11 +55,11 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (plan.bands == 0) return;
-  const PrefilterPlan own = plan.at_step(0, {true, face_size, face_size});
-  for (const MipPlan& mip : own.mips) {
+  const PrefilterPlan step = plan.at_step(0, {true, face_size, face_size});
+  for (const MipPlan& mip : step.mips) {
     if (mip.near.face > 0) static_cast<void>(NearTable::get(mip.near));
   }
-  RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
+  RingTable::get({step.face_for_cubemap(face_size), step.rows_for_cubemap()}, {control.stop});
 }
 
 float safe_scale(const projection::SanitizedSource& source) noexcept {

@@ -36,12 +36,12 @@ void require_known(const char* what, Enumeration value, Enumeration last) {
          std::string("the ") + what + " " + std::to_string(number) + " is unknown; pass one of the enumerators");
 }
 
-void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
+void check_error_bound(const char* what, double value, double minimum, PrefilterMethod method) {
   if (!(value > 0.0 && value <= 1.0))
     refuse(ErrorCode::invalid_argument,
            std::string(what) + " is " + platform::number_text(value) + "; it must be above 0, at most 1");
-  if (value >= least || method == PrefilterMethod::reference) return;
-  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
+  if (value >= minimum || method == PrefilterMethod::reference) return;
+  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (minimum < 5e-6 ? "1e-6" : "1e-5") +
                                         " is more than float arithmetic gives; the reference method has no bound");
 }
 

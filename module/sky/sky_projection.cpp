@@ -85,8 +85,8 @@ double azimuth_clustering(int count, double asymmetry) {
   const double size = std::abs(asymmetry);
   const double lobe = (1.0 - size) / (1.0 + size);  // tanh(-ln(g) / 2)
   const double steps = 4.0 / count;
-  const double least = steps * (1.0 + steps * steps / 15.0) / (1.0 + steps * steps * 0.4);  // tanh, nearly
-  const double factor = std::min(1.0, std::max(4.0 / 3.0 * std::sqrt(lobe), std::min(1.0, least)));
+  const double minimum = steps * (1.0 + steps * steps / 15.0) / (1.0 + steps * steps * 0.4);  // tanh, nearly
+  const double factor = std::min(1.0, std::max(4.0 / 3.0 * std::sqrt(lobe), std::min(1.0, minimum)));
   return asymmetry < 0.0 ? 1.0 / factor : factor;
 }
 

@@ -40,12 +40,12 @@ void fill(std::size_t height, std::size_t heights, std::vector<Value>& rows, boo
   const Value* const from = rows.data() + 2 * index(cubic.first) * size;
   Value weights[4];
   for (std::size_t k = 0; k < 4; ++k) weights[k] = static_cast<Value>(cubic.weights[k]);
-  const Value least = with_sign ? std::numeric_limits<Value>::lowest() : Value{0};
+  const Value minimum = with_sign ? std::numeric_limits<Value>::lowest() : Value{0};
   Value* const to = rows.data() + height * size;
   for (std::size_t i = 0; i < size; ++i) {
     const Value sum = weights[0] * from[i] + weights[1] * from[2 * size + i] + weights[2] * from[4 * size + i] +
                       weights[3] * from[6 * size + i];
-    to[i] = sum > least ? sum : least;
+    to[i] = sum > minimum ? sum : minimum;
   }
 }
 

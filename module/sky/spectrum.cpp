@@ -147,7 +147,7 @@ void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour)
   asymmetries_.fill(atmosphere.aerosol_asymmetry);
   const std::vector<double>& given = atmosphere.aerosol_asymmetries;
   if (given.empty()) return;
-  const auto [least, most] = std::minmax_element(given.begin(), given.end());
+  const auto [minimum, maximum] = std::minmax_element(given.begin(), given.end());
   for (std::size_t c = 0; c < 3; ++c) {
     double sum = 0.0;
     double scattered = 0.0;
@@ -160,8 +160,8 @@ void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour)
       sum += weight * given[i];
       scattered += weight;
     }
-    const double mean = scattered > 0.0 ? sum / scattered : 0.5 * (*least + *most);
-    asymmetries_[c] = colour == SkyColour::spectral ? given[c] : std::clamp(mean, *least, *most);
+    const double mean = scattered > 0.0 ? sum / scattered : 0.5 * (*minimum + *maximum);
+    asymmetries_[c] = colour == SkyColour::spectral ? given[c] : std::clamp(mean, *minimum, *maximum);
   }
 }
 

@@ -230,9 +230,9 @@ WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
 }
 WELKIN_INLINE Row limited(Row row, Row a, Row b) {
   for (int i = 0; i < Row::kRegisters; ++i) {
-    const NarrowLanes least = NarrowLanes(kMin) * xsimd::min(a.part[i], b.part[i]);
-    const NarrowLanes most = NarrowLanes(kMax) * xsimd::max(a.part[i], b.part[i]);
-    row.part[i] = xsimd::min(xsimd::max(row.part[i], least), most);
+    const NarrowLanes minimum = NarrowLanes(kMin) * xsimd::min(a.part[i], b.part[i]);
+    const NarrowLanes maximum = NarrowLanes(kMax) * xsimd::max(a.part[i], b.part[i]);
+    row.part[i] = xsimd::min(xsimd::max(row.part[i], minimum), maximum);
   }
   return row;
 }

@@ -30,11 +30,11 @@ constexpr int kMaxThreads = 1024;
 
 void check(const WorkerOptions& options) {
   const int threads = options.executor ? options.executor->concurrency() : options.threads;
-  const int least = options.executor ? 1 : 0;
+  const int minimum = options.executor ? 1 : 0;
   const char* what = options.executor ? "WorkerOptions: the executor's concurrency" : "WorkerOptions: threads";
-  platform::require_between(what, threads, least, kMaxThreads);
+  platform::require_between(what, threads, minimum, kMaxThreads);
   if (options.max_jobs == 0) {
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at least 1");
+    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at minimum 1");
   }
 }
 
