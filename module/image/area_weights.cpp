@@ -136,7 +136,7 @@ TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns)
   return result;
 }
 
-/// Weights that one tile may need, and so must have room at least.
+/// Returns the maximum number of weights that one tile may need, and so the minimum to reserve.
 std::size_t TileWeights::largest_patch() const noexcept {
   // A texel is at most sqrt(8) / size radians high and, but for the one around a pole, a quarter turn wide.
   const double rows = 3.0 / size() * height_ / kPi + 4.0;

@@ -26,7 +26,7 @@ constexpr std::array<Bc6hMode, kBc6hModes> kModes = {{
 }};
 
 /// Where the bits of the ends lie after a mode's prefix: runs of a channel (r, g, b) of an end (w, x, y, z), "rw0-9"
-/// for its bits 0 to 9 from the lowest place on, "rw11-10" for bit 11 before bit 10.
+/// for its bits 0 to 9 from the lowest position on, "rw11-10" for bit 11 before bit 10.
 constexpr std::array<std::string_view, kBc6hModes> kLayouts = {
     "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
     "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5",

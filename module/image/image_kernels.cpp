@@ -135,7 +135,7 @@ void angle_positions(const double* across, const double* along, int count, doubl
 
 // With t the share of the way from the second to the third texel, the cubic B-spline weighs them
 //   (1 - t)^3 / 6,  2/3 - t^2 + t^3 / 2,  2/3 - (1 - t)^2 + (1 - t)^3 / 2,  t^3 / 6.
-// Where the place is a texel's own, t may be 0 or 1: the weights are the same function either way.
+// Where the position is a texel's own, t may be 0 or 1: the weights are the same function either way.
 void position_taps(const double* positions, int count, bool cubic, std::int32_t* first, float* weights) {
   for (int k = 0; k < count; ++k) {
     const double second = (positions[k] - 0.5 + kRoundToWhole) - kRoundToWhole;

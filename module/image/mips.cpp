@@ -113,7 +113,7 @@ namespace {
 constexpr std::int64_t kTileTexels = 32768;    ///< of the level above
 constexpr std::int64_t kInlineTexels = 32768;  ///< some 30 microseconds
 
-/// One worker's room: what the texels of a pair of rows weigh.
+/// One worker's scratch: the weights of the texels of a pair of rows.
 struct Scratch {
   explicit Scratch(int size) {
     const auto padded = static_cast<std::size_t>((size + 1) / 2 + simd::kLanes);

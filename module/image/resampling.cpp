@@ -33,7 +33,7 @@ int wrapped(int column, int width) noexcept {
   return rest < 0 ? rest + width : rest;
 }
 
-/// The texel before a place, and how far on the place is.
+/// The texel before a position, and how far on the position is.
 struct Between {
   int before;
   double share;  // of the texel after it

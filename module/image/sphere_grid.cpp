@@ -1,4 +1,4 @@
-// A row of a face and its mirror image, on all faces alike, share their places on the rings; so these are worked out
+// A row of a face and its mirror image, on all faces alike, share their positions on the rings; so these are found
 // once for the four faces round the equator, and once for the two at the poles.
 #include "image/sphere_grid.h"
 
@@ -83,14 +83,14 @@ struct TapsMemory {
   platform::AlignedBuffer<float> weights;
 };
 
-/// The places of one row of a face.
+/// The taps of one row of a face.
 struct RowTaps {
   Taps rings;
   Taps front;  ///< polar faces: columns where z >= 0
   Taps back;   ///< and where z < 0
 };
 
-/// One worker's room.
+/// One worker's scratch.
 struct Scratch {
   Scratch(int size, int rows)
       : across(static_cast<std::size_t>(size)),

@@ -33,7 +33,7 @@ WELKIN_INLINE void clear_padding(const TexelRun& run, float* weights, int stride
 
 constexpr int kMaximumFunctions = math::kRecurrenceBands * math::kRecurrenceBands;
 
-/// Adds scale Y at (u, v, 1) to sums[place].
+/// Adds scale Y at (u, v, 1) to sums[slot].
 WELKIN_INLINE void add_basis(const TexelRun& run, const math::BasisRecurrence& recurrence, DoubleLanes u, double v,
                              DoubleLanes area, bool unit_scale, const int* slot, DoubleLanes* sums) {
   const DoubleLanes q = DoubleLanes(1.0) / (DoubleLanes(1.0) + u * u + DoubleLanes(v) * DoubleLanes(v));

@@ -101,7 +101,7 @@ UastcEnds ends_of(const Numbers& n) noexcept {
            {n[kA], n[kA] - n[kB0], n[kA] - n[kB1]}}};
 }
 
-/// In steps of 12 bits, the channels in their places.
+/// Returns the ends in steps of 12 bits, the channels in their own order.
 UastcEnds shifted_ends(const Numbers& n, const EndMode& mode, std::size_t brightest) noexcept {
   UastcEnds ends = ends_of(n);
   for (auto& end : ends) {

@@ -40,7 +40,7 @@ void for_each_node(int order, const Use& use) {
 AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   const auto side = [&](int order, double sign) {
     for_each_node(order, [&](const Node& node) {
-      // From 90 degrees on by a quarter turn times place^2, whose differential is pi place dplace. The cosine of that
+      // 90 degrees plus a quarter turn times x^2, x the position, whose differential is pi x dx. The cosine of that
       // azimuth is the sine of the angle from 90 degrees, with its digits near the edge.
       azimuth_cosines_.push_back(
           static_cast<float>(sign * math::sine_cosine_of_turns(0.25 * node.position * node.position).sine));

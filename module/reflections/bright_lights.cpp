@@ -354,7 +354,7 @@ void BrightLights::choose(const Block& block, Step step, Scratch& scratch) const
   }
 }
 
-/// Adds the lights of `scratch`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and
+/// Adds the lights of `scratch`'s runs at its first `count` points, a multiple of `kLobeTexels`, to its sums, and
 /// forgets them.
 void BrightLights::sum_runs(int face, int count, const Blur& lobe, Scratch& scratch) const {
   const image::Frame& frame = image::face_frame(face);

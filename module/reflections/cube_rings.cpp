@@ -26,7 +26,7 @@ double about_taps(const RingTableKey& key) noexcept {
 ///
 /// With G_k the symmetries, a texel t's record has L(G_k t). A texel whose window reaches into another sixteenth is
 /// seen there by its own image t' = G_i^-1 t, whose record has L(G_k t') = L(G_k G_i^-1 t), an entry of t's own
-/// record. The point (1, 2, 4) is moved to a different place by each of them, so it tells which G_k G_i^-1 is.
+/// record. The point (1, 2, 4) is moved to a different position by each, so it identifies G_k G_i^-1.
 std::array<std::array<std::size_t, kRingImages>, kRingImages> composed_images() {
   const glm::ivec3 point{1, 2, 4};
   std::array<std::array<std::size_t, kRingImages>, kRingImages> composed{};

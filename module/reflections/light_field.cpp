@@ -14,7 +14,7 @@ struct Span {
   Span(int first, int end, int size)
       : middle(place_on_face(0.5 * (first + end - 1), size)), half(static_cast<double>(end - first - 1) / size) {}
 
-  /// Sets each point's share of the value at a place: Lagrange's polynomials of the nodes -kFar, -kNear, kNear and
+  /// Sets each point's share of the value at a point t: Lagrange's polynomials of the nodes -kFar, -kNear, kNear and
   /// kFar. That of -kFar is (t^2 - kNear^2) (t - kFar) over (kFar^2 - kNear^2) (-2 kFar), that of -kNear is (t^2 -
   /// kFar^2) (t - kNear) over (kNear^2 - kFar^2) (-2 kNear); the others are their mirror images. Chebyshev's points,
   /// the roots of T_4, keep the largest of (t - x_0) ... (t - x_3) to 2^-3 over the whole span: the cubic's error is

@@ -484,7 +484,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
   const std::size_t parts = std::max(static_cast<std::size_t>(kMaxParts), leaves * along * along);
   const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
-  // places are listed while solid angles are found
+  // Positions are listed while solid angles are found.
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   const double widest = widest_edge_of(shape, lobes.of) / cuts_of(shape, lobes, texels);
   return leaves * LightTree::bytes_of_leaf(smooth_points(widest, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +

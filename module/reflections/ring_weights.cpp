@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMiddle = kSpread / 2;
 // A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
-// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
+// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + along^2) changes by a factor of 2
 // from the middle of a face's line to its diagonal: hence half of three. Along the first edge of a line that runs away
 // from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces (`EdgeLine::cut` allows for it).
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
@@ -33,7 +33,7 @@ void split(const double* positions, int count, int last_cell, int* cells, float*
 }  // namespace
 
 /// Edges of texels, cut into parts, and what their points give. An edge lies on a line at a distance from the axis, and
-/// reaches along it from one place to another, seen from above at a height.
+/// reaches along it from one position to another, seen from above at a height.
 class RingWeights::EdgeLine {
  public:
   EdgeLine(const RingWeights& weights, std::size_t edges, std::size_t parts)
@@ -74,7 +74,7 @@ class RingWeights::EdgeLine {
   }
 
  private:
-  /// places = the angles of ends_ over distances_, in columns.
+  /// Sets positions_ to the angles of ends_ over distances_, in columns.
   void find_longitudes(int count, bool mirrored);
 
   const RingWeights& weights_;
@@ -114,9 +114,9 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     const auto at = static_cast<std::size_t>(2 * (index - first));
     const double across = std::abs(positions_[at + 1] - positions_[at]);
     const double low = here.distance * here.distance + height * height;
-    // The polar angle is p = atan(g / height), g = sqrt(distance^2 + place^2), so along the line
-    //   dp / dplace = place height / (g (height^2 + g^2)).
-    // place / g rises and 1 / (height^2 + g^2) falls with the place: the ring's change is at most (to - from) times the
+    // With x the position on the line, the polar angle is p = atan(g / height), g = sqrt(distance^2 + x^2), so that
+    //   dp / dx = x height / (g (height^2 + g^2)).
+    // x / g rises and 1 / (height^2 + g^2) falls with x: the ring's change is at most (to - from) times the
     // former at `to` and the latter at `from`. On a side face g >= 1 >= height, where this rises with the height, so
     // that the height 1 of the face's edge bounds all lines.
     const double reach = (here.to - here.from) * here.to * height /

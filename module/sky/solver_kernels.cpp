@@ -14,7 +14,7 @@ constexpr int kPair = 8;  ///< floats of two nodes of suns that follow each othe
 WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
 WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
 
-/// A place among nodes: the one below, and the fraction towards the next.
+/// A position among nodes: the node below, and the fraction towards the next.
 struct NodeFraction {
   Indices node;
   Lanes fraction;

@@ -85,7 +85,7 @@ std::vector<double> bends(const std::vector<double>& rising) {
   return positions;
 }
 
-/// A piecewise linear spectrum, constant beyond its ends: shares of the two wavelengths about a place.
+/// A piecewise linear spectrum, constant beyond its ends: shares of the two wavelengths about a position.
 struct Shares {
   std::size_t below;
   double above_share;

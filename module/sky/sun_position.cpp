@@ -1,4 +1,4 @@
-// The sun's place in the sky of an observer on Earth.
+// The sun's position in the sky of an observer on Earth.
 //
 // The method is that of Reda and Andreas 2004, "Solar position algorithm for solar radiation applications", Solar
 // Energy 76 (5), with its series cut off. Equations by their numbers in NREL/TP-560-34302 (2008). What is left out, in

@@ -179,7 +179,7 @@ WELKIN_INLINE void locate(const SkyRun& run, DoubleLanes x, DoubleLanes y, Doubl
   xsimd::select(ends, down, up).store_aligned(positions.view + k);
   xsimd::select(ends, one, zero).store_aligned(positions.ends + k);
 
-  // The sun's cosine where the ray ends, and its place among nodes that are even in sqrt|mu| with mu's sign.
+  // The sun's cosine where the ray ends, and its position among nodes that are even in sqrt|mu| with mu's sign.
   const DoubleLanes mu_ground =
       between((constant(run.radius) * mu_s + to_ground * nu) / constant(run.bottom), -1.0, 1.0);
   const DoubleLanes rooted = xsimd::sqrt(xsimd::abs(mu_ground));
@@ -422,7 +422,7 @@ struct NearNodes {
 };
 
 /// `values` are those of this register's rings.
-/// Nodes' places are their numbers modulo 4: any four that follow each other have four different ones, and moving on by
+/// Nodes' slots are their numbers modulo 4: any four that follow each other have four different ones, and moving on by
 /// one node overwrites the one that is no longer needed.
 WELKIN_INLINE void bring(const SkyRings& rings, const CubicTaps& taps, const float* values, NearNodes& near) {
   for (int node = taps.first; node < taps.first + 4; ++node) {
