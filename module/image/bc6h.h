@@ -16,7 +16,7 @@ inline constexpr int kBlockEdge = 4;             ///< texels along an edge of a 
 inline constexpr std::size_t kBlockTexels = 16;  ///< of a block
 inline constexpr std::size_t kBlockBytes = 16;   ///< of a block
 
-/// Whether the halves of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
+/// Whether the half floats of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
 enum class Bc6hRange { positive, signed_values };
 
 /// The properties of a mode.
@@ -94,7 +94,7 @@ void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, s
 void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
                       float* rgb) noexcept;
 
-/// Blocks that it takes to cover so many texels in a row.
+/// Returns the number of blocks that cover `texels` texels in a row.
 [[nodiscard]] constexpr int blocks_across(int texels) noexcept { return (texels + kBlockEdge - 1) / kBlockEdge; }
 
 }  // namespace welkin::image

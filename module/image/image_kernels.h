@@ -117,7 +117,7 @@ struct HalfKernels {
   /// did.
   int (*halves_of_floats)(const float* values, int count, std::uint16_t* halves);
 
-  /// Values of halves by their bits.
+  /// Converts half floats, given by their bits, to floats.
   void (*floats_of_halves)(const std::uint16_t* halves, int count, float* values);
 };
 WELKIN_KERNEL_TABLES(HalfKernels, half_kernels)

@@ -52,7 +52,7 @@ struct BandChoice {
   [[nodiscard]] int bands() const noexcept { return static_cast<int>(zonal.size()); }
 };
 
-/// Returns the factors of so many bands.
+/// Returns the lobe's factors for `bands` bands.
 [[nodiscard]] BandChoice tapered_lobe(double alpha, int bands);
 
 /// Returns the bands that wide lobes take for an image with dark parts.

@@ -9,7 +9,7 @@
 
 namespace welkin::reflections {
 
-/// A sixteenth of the sphere has so many mirror images and quarter turns, itself one of them; a record is a texel of it
+/// Mirror images and quarter turns of a sixteenth of the sphere, itself one of them; a record is a texel of it
 /// as all images have it, [image][red, green, blue].
 inline constexpr int kRingImages = 16;
 inline constexpr int kRecordFloats = 3 * kRingImages;

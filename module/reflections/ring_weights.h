@@ -68,7 +68,7 @@ class RingWeights {
   void weigh(int band, std::uint32_t* next, RingTap* taps) const;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// A bound on what the object and so many threads in `weigh` take.
+  /// Returns a bound on the bytes of the object and of the threads in `weigh`.
   [[nodiscard]] static std::size_t making_bytes(int face_size, int rows, std::size_t threads) noexcept;
 
  private:

@@ -40,7 +40,7 @@ class ThreadExecutor {
 
   /// Starts the threads. They keep `scheduler`. Throws std::system_error: then some may run.
   void start(const std::shared_ptr<Scheduler>& scheduler);
-  /// Has so many parked threads look for work, or all if these are fewer. Takes no lock, as a thread of ours may hold
+  /// Has `count` parked threads look for work, or all if these are fewer. Takes no lock, as a thread of ours may hold
   /// it and be kept off the processors.
   void call(int count);
   /// Threads leave as soon as they have nothing more to do.
