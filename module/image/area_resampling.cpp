@@ -35,7 +35,7 @@ constexpr int kReadBeyond = 2;  ///< texels that kernels read right of a patch
 /// Draws all images of a run of tiles.
 class CubeMeans {
  public:
-  /// `patch`: room for the RGB of the largest patch, and of what is read beyond it.
+  /// `patch`: memory for the RGB of the largest patch, and of what is read beyond it.
   CubeMeans(const TileWeights& weights, const FloatPlane& image, const std::array<float*, 6>& faces, float* patch)
       : weights_(weights), image_(image), faces_(faces), patch_(patch) {}
 

@@ -171,13 +171,13 @@ constexpr std::array<TileImage, 16> kPolarImages = [] {
     int quarter;
     bool mirrored, right, lower, swapped;
   };
-  constexpr TileImageKind places[] = {{2, true, true, true, false},   {2, false, false, true, false},
-                                      {0, false, true, false, false}, {4, true, false, false, false},
-                                      {1, false, true, true, true},   {1, true, true, false, true},
-                                      {3, true, false, true, true},   {3, false, false, false, true}};
+  constexpr TileImageKind kinds[] = {{2, true, true, true, false},   {2, false, false, true, false},
+                                     {0, false, true, false, false}, {4, true, false, false, false},
+                                     {1, false, true, true, true},   {1, true, true, false, true},
+                                     {3, true, false, true, true},   {3, false, false, false, true}};
   std::array<TileImage, 16> images{};
   std::size_t next = 0;
-  for (const TileImageKind& p : places) {
+  for (const TileImageKind& p : kinds) {
     images[next++] = {2, p.quarter, p.mirrored, false, p.right, p.lower, p.swapped};
     images[next++] = {3, p.quarter, p.mirrored, true, p.right, !p.lower, p.swapped};
   }
@@ -231,9 +231,9 @@ bool place_image(const TileImage& image, const WeighedRun& run, int size, int wi
   }
   if (patches.count <= 0) return false;
   const int half = (size + 1) / 2;
-  const auto place = [&](int index, bool positive) { return positive ? size - half + index : half - 1 - index; };
-  const int along = place(first, rising);
-  const int fixed = place(run.line, image.swapped ? image.right : image.lower);
+  const auto position = [&](int index, bool positive) { return positive ? size - half + index : half - 1 - index; };
+  const int along = position(first, rising);
+  const int fixed = position(run.line, image.swapped ? image.right : image.lower);
   const std::ptrdiff_t step = image.swapped ? size : 1;
   patches.rgb_step = std::ptrdiff_t{3} * (rising ? step : -step);
   patches.base = static_cast<int>((std::ptrdiff_t{image.quarter} * width + (image.mirrored ? 3 : 0)) / 4);

@@ -19,7 +19,7 @@ constexpr int kStretch = 32;                ///< tiles whose patches have one si
 
 int groups_for(int columns) noexcept { return (columns + kGroup - 1) / kGroup; }
 
-/// What a tile covers at most.
+/// The bounds of a tile.
 struct Extent {
   double left, right, top, bottom;
 };
@@ -119,24 +119,24 @@ TileWeights::SideColumns TileWeights::columns_of_sides(const SoftCells& columns)
   SideColumns result;
   int most = 1;
   int guess = 0;
-  const auto place = [&](int index) { return tiling_.longitude(index) * columns_per_radian_; };
+  const auto position = [&](int index) { return tiling_.longitude(index) * columns_per_radian_; };
   for (int k = 0; k < tiling_.half(); ++k) {
-    guess = columns.first_beyond(place(k), guess);
+    guess = columns.first_beyond(position(k), guess);
     result.columns.push_back(guess - reach_);
-    most = std::max(most, columns.last_before(place(k + 1), guess) - guess + 1);
+    most = std::max(most, columns.last_before(position(k + 1), guess) - guess + 1);
   }
   result.groups = groups_for(most);
   const int across = kGroup * result.groups;
   for (int k = 0; k < tiling_.half(); ++k) {
     const int first = result.columns[static_cast<std::size_t>(k)] + reach_;
-    columns.for_each_share(first, across, place(k), place(k + 1), [&](double share) {
-      result.weights.push_back(static_cast<float>(std::max(0.0, share / (place(k + 1) - place(k)))));
+    columns.for_each_share(first, across, position(k), position(k + 1), [&](double share) {
+      result.weights.push_back(static_cast<float>(std::max(0.0, share / (position(k + 1) - position(k)))));
     });
   }
   return result;
 }
 
-/// Weights that one tile may need, and so must have room at least.
+/// Returns the maximum number of weights that one tile may need, and so the minimum to reserve.
 std::size_t TileWeights::largest_patch() const noexcept {
   // A texel is at most sqrt(8) / size radians high and, but for the one around a pole, a quarter turn wide.
   const double rows = 3.0 / size() * height_ / kPi + 4.0;
@@ -164,7 +164,7 @@ TileWeights::PatchSize TileWeights::patch_size(const TileScratch& scratch, int f
   return {std::min(rows, rows_.count()), groups_for(columns)};
 }
 
-/// A line's tiles differ: beside a pole the widest patch and the highest one belong to different tiles.
+/// A line's tiles differ: next to a pole the widest patch and the highest one belong to different tiles.
 int TileWeights::tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept {
   int last = std::min(first + kStretch, end);
   size = patch_size(scratch, first, last);
@@ -382,12 +382,12 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   for (const bool polar : {false, true}) {
     for (int row = 0; row < weights_.lines(); ++row) {
       const TileKind kind = weights_.kind_of(polar, row);
-      const std::size_t room = floats_for(kind, row);
+      const std::size_t reserved = floats_for(kind, row);
       const auto tiles = static_cast<std::size_t>(weights_.tiles_of(kind, row));
-      const std::size_t runs = std::min(tiles, tiles / kStretch + 2 + room / (kRoomFloats / 2));
-      lines_.push_back({floats, indices, runs_.size(), room, runs, false, {}});
+      const std::size_t runs = std::min(tiles, tiles / kStretch + 2 + reserved / (kRoomFloats / 2));
+      lines_.push_back({floats, indices, runs_.size(), reserved, runs, false, {}});
       runs_.resize(runs_.size() + runs * rests);
-      floats += room * rests;
+      floats += reserved * rests;
       indices += 2 * rests * tiles;
       if ((floats + indices) * sizeof(float) > kLargestTableBytes) {
         lines_.clear();
@@ -400,11 +400,11 @@ TileWeightTable::TileWeightTable(const TileWeightKey& key)
   indices_ = platform::AlignedBuffer<std::int32_t>(indices);
 }
 
-/// Room for a line's weights, from above; a line that needs more after all is weighed anew each time.
+/// Returns an upper estimate of a line's weights; a line that needs more after all is weighed again each time.
 ///
 /// On +Y a texel in row r and column t r covers the longitudes from atan(t r / (r + 1)) to atan((t r + 1) / r), about
 /// (1 + t) / (1 + t^2) / r radians: most where t = sqrt(2) - 1. It is deepest on the diagonal, sqrt(2) times as deep as
-/// beside the axis.
+/// next to the axis.
 std::size_t TileWeightTable::floats_for(TileKind kind, int row) const noexcept {
   constexpr double kWidest = 0.5 * (1.0 + std::numbers::sqrt2);
   const auto touched = [](double cells) { return static_cast<int>(std::ceil(cells)) + 2; };  // with their ramps

@@ -77,7 +77,7 @@ class PolarRow {
   }
 
  private:
-  /// What lies on a line of constant v: its points with the columns' edges and middles, and the mean heights between.
+  /// The points of a line of constant v with the columns' edges and middles, and the mean heights between.
   struct Line {
     std::vector<double> longitudes;
     std::vector<double> point_heights;
@@ -117,12 +117,12 @@ struct TileImage {
   int quarter;    ///< where the distance is counted from, in quarters of the width
   bool mirrored;  ///< columns fall with the distance
   bool below;     ///< rows from the bottom up
-  bool right;     ///< the texel's place on the face: u > 0
+  bool right;     ///< the texel's position on the face: u > 0
   bool lower;     ///< v > 0
   bool swapped;   ///< u and v exchanged
 };
 
-/// How far the place that an image's distances are counted from lies beyond a column's edge, against the way its
+/// How far the position that an image's distances are counted from lies beyond a column's edge, against the way its
 /// columns count, in quarters of a column.
 [[nodiscard]] int rest_of(const TileImage& image, int width) noexcept;
 
@@ -135,7 +135,7 @@ enum class TileKind {
 [[nodiscard]] std::span<const TileImage> images_of(TileKind kind) noexcept;
 
 /// The weights of a run of tiles. `patches` lacks what depends on the image and the lat-long; its columns are counted
-/// from the place of distance 0 and its rows from the pole.
+/// from the position of distance 0 and its rows from the pole.
 struct WeighedRun {
   TileKind kind;
   int line;   ///< counted from the middle of the face: v of the texels
@@ -182,7 +182,7 @@ class SoftCells {
     return {edges_.data() + first, half_ramps_.data() + first, inverses_.data() + first};
   }
 
-  /// The integral between two places of the shares of all cells from edge `edge` on; so that of one cell's share is the
+  /// Integral between two positions of the shares of all cells from edge `edge` on; that of one cell's share is the
   /// difference of two.
   [[nodiscard]] double integral_from_edge(int edge, double from, double to) const noexcept {
     const auto at = static_cast<std::size_t>(std::min(edge, cells_));
@@ -197,7 +197,7 @@ class SoftCells {
     return up_to(to) - up_to(from);
   }
 
-  /// Calls `use(share)` with the integral between two places of each of `count` cells' shares.
+  /// Calls `use(share)` with the integral between two positions of each of `count` cells' shares.
   template <class Use>
   void for_each_share(int first, int count, double from, double to, const Use& use) const {
     double here = integral_from_edge(first, from, to);
@@ -217,9 +217,9 @@ class SoftCells {
 
 // How the texels of a lat-long and those of a cube overlap.
 //
-// Every texel of the lat-long has its share of the sphere, smooth where the cube is finer (SoftCells); every texel of
-// the cube is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the
-// sphere once: so a uniform source stays uniform and each source texel's total radiance arrives, whatever the sizes.
+// Every texel of the lat-long has shares of points, smooth where the cube is finer (SoftCells); every texel of the cube
+// is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the sphere
+// once: so a uniform source stays uniform and each source texel's total radiance arrives, whatever the sizes.
 //
 // A tile's weights serve all its mirror images and quarter turns: 16 of them, where the lat-long's width divides by
 // four. On side faces, but for the line next to +Y, a tile is a rectangle; its weights are products of shares in height
@@ -227,10 +227,10 @@ class SoftCells {
 
 class TileWeights;
 
-/// Who gets the weights. (A reference to what takes them, which allocates nothing.)
+/// Receives the weights. (A reference to the callable, which allocates nothing.)
 using RunSink = std::function<void(const WeighedRun&)>;
 
-/// One worker's room for the weights of a run of tiles.
+/// One worker's scratch for the weights of a run of tiles.
 class TileScratch {
  public:
   explicit TileScratch(const TileWeights& weights);
@@ -268,7 +268,7 @@ class TileWeights {
   /// next to each other take less if one scratch has them in rising order.
   void weigh(TileKind kind, int row, TileScratch& scratch, const RunSink& sink) const;
 
-  /// What all lines of a side face but the first have in common, for the images of a rest.
+  /// Columns and weights that all lines of a side face but the first have in common, for the images of a rest.
   struct SideColumns {
     int groups = 0;  ///< of four columns
     std::vector<std::int32_t> columns;
@@ -292,7 +292,7 @@ class TileWeights {
   void weigh_polar(int row, TileScratch& scratch, const RunSink& sink) const;
   void weigh_pole(TileScratch& scratch, const RunSink& sink) const;
 
-  /// What patches of a stretch of tiles need at most: rows, and groups of four columns.
+  /// The maximum size of the patches of a stretch of tiles: rows, and groups of four columns.
   struct PatchSize {
     int rows = 1;
     int groups = 1;
@@ -300,7 +300,7 @@ class TileWeights {
     friend bool operator==(const PatchSize&, const PatchSize&) = default;
   };
   [[nodiscard]] PatchSize patch_size(const TileScratch& scratch, int first, int end) const noexcept;
-  /// How many tiles from `first` on go together, with patches of one size.
+  /// Returns how many tiles from `first` on go together, with patches of one size.
   [[nodiscard]] int tiles_together(const TileScratch& scratch, int first, int end, PatchSize& size) const noexcept;
 
   template <class Sides>
@@ -320,7 +320,7 @@ class TileWeights {
 
 // The weights of all tiles of a lat-long and a cube's size, kept for the next time.
 
-/// Which table.
+/// The sizes that identify a table.
 struct TileWeightKey {
   int width;  ///< of the lat-long
   int height;
@@ -329,22 +329,22 @@ struct TileWeightKey {
   friend bool operator==(const TileWeightKey&, const TileWeightKey&) = default;
 };
 
-/// Weights for resampling to a cube. Whoever makes a table fills it, line by line as the lines are drawn, and then
-/// shares it: weighing costs a few times as much as drawing, and so is not done ahead of it.
+/// Weights for resampling to a cube. The call that makes a table fills it, line by line as the lines are drawn, and
+/// then shares it: weighing costs a few times as much as drawing, and so is not done ahead of it.
 class TileWeightTable {
  public:
   /// The table of an earlier call; null if there is none, or none any more.
   [[nodiscard]] static std::shared_ptr<const TileWeightTable> find(const TileWeightKey& key);
-  /// Keeps a table whose lines have all been filled, unless somebody else's is there meanwhile.
+  /// Keeps a table whose lines have all been filled, unless another call's is there meanwhile.
   static void keep(const TileWeightKey& key, const std::shared_ptr<const TileWeightTable>& table);
 
-  /// With room for lines to be filled, if they are not more than a table may have: otherwise all are weighed anew each
-  /// time.
+  /// Reserves memory for lines to be filled, if they are not more than a table may have: otherwise all are weighed
+  /// again each time.
   explicit TileWeightTable(const TileWeightKey& key);
 
   [[nodiscard]] const TileWeights& weights() const noexcept { return weights_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// Whether no line needs to be weighed any more.
+  /// Returns whether no line needs to be weighed any more.
   [[nodiscard]] bool complete() const noexcept;
 
   /// Weighs a line, hands it out and keeps it. Of different lines in different threads at once.
@@ -358,8 +358,8 @@ class TileWeightTable {
     std::size_t first_float = 0;
     std::size_t first_index = 0;
     std::size_t first_run = 0;
-    std::size_t floats = 0;  ///< that there is room for, for each rest
-    std::size_t runs = 0;    ///< the same
+    std::size_t floats = 0;  ///< reserved for each rest
+    std::size_t runs = 0;    ///< reserved for each rest
     bool kept = false;
     std::size_t runs_of[4] = {};  ///< none: no image has that rest
   };

@@ -26,7 +26,7 @@ constexpr std::array<Bc6hMode, kBc6hModes> kModes = {{
 }};
 
 /// Where the bits of the ends lie after a mode's prefix: runs of a channel (r, g, b) of an end (w, x, y, z), "rw0-9"
-/// for its bits 0 to 9 from the lowest place on, "rw11-10" for bit 11 before bit 10.
+/// for its bits 0 to 9 from the lowest position on, "rw11-10" for bit 11 before bit 10.
 constexpr std::array<std::string_view, kBc6hModes> kLayouts = {
     "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3",
     "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5",
@@ -93,7 +93,7 @@ constexpr std::array<Layout, kBc6hModes> parsed_layouts() {
 
 constexpr std::array<Layout, kBc6hModes> kRuns = parsed_layouts();
 
-/// Whether every bit that a mode's ends have lies somewhere, and once.
+/// Returns whether every bit that a mode's ends have lies somewhere, and once.
 constexpr bool covers(const Bc6hMode& mode, const Layout& layout) {
   std::array<std::array<std::uint32_t, 3>, 4> found{};
   for (std::size_t k = 0; k < layout.count; ++k) {
@@ -155,7 +155,7 @@ std::int32_t unquantised(std::int32_t end, int bits, Bc6hRange range) noexcept {
   return end < 0 ? -result : result;
 }
 
-/// Of a number between two ends; a half's bits.
+/// Returns the bits of the half that a number between two ends stands for.
 std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
   // 0xFFFF 31 / 64 and 0x7FFF 31 / 32 are 31743, the bits of the largest finite half, 65504.
   if (range == Bc6hRange::positive) return static_cast<std::uint16_t>(value * 31 >> 6);
@@ -163,7 +163,7 @@ std::uint16_t half_of(std::int32_t value, Bc6hRange range) noexcept {
   return static_cast<std::uint16_t>(magnitude | (value < 0 && magnitude != 0 ? 0x8000 : 0));
 }
 
-/// How far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
+/// Returns how far along its line an index is, in 64ths: 64 index / 15, or / 7, to the nearest whole number.
 constexpr std::int32_t weight_of(std::int32_t index, bool two_lines) noexcept {
   return two_lines ? 37 * index >> 2 : (17 * index + 2) >> 2;
 }
@@ -186,10 +186,10 @@ Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept {
   if (fields.mode == 0) return fields;
   const Bc6hMode& mode = bc6h_mode(fields.mode);
   const BlockBits bits(block);
-  int place = prefix_bits;
+  int offset = prefix_bits;
   const auto next = [&](int count) {
-    place += count;
-    return static_cast<std::uint32_t>(bits.at(place - count, count));
+    offset += count;
+    return static_cast<std::uint32_t>(bits.at(offset - count, count));
   };
   const Layout& layout = kRuns[static_cast<std::size_t>(fields.mode - 1)];
   for (std::size_t k = 0; k < layout.count; ++k) {

@@ -16,16 +16,16 @@ inline constexpr int kBlockEdge = 4;             ///< texels along an edge of a 
 inline constexpr std::size_t kBlockTexels = 16;  ///< of a block
 inline constexpr std::size_t kBlockBytes = 16;   ///< of a block
 
-/// Whether the halves of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
+/// Whether the half floats of a texture may be negative: BC6H_SFLOAT and BC6H_UFLOAT.
 enum class Bc6hRange { positive, signed_values };
 
-/// What distinguishes a mode.
+/// The properties of a mode.
 struct Bc6hMode {
   int prefix;                     ///< the block's first bits
   int prefix_bits;                ///< 2 or 5
   int end_bits;                   ///< of the first end, in each channel
   std::array<int, 3> other_bits;  ///< of the other ends, in red, green and blue
-  bool differences;               ///< the other ends are stored as what they have more than the first
+  bool differences;               ///< the other ends are stored as differences to the first
   bool two_lines;                 ///< with a partition, and indices of 3 bits; else one, and 4 bits
 };
 
@@ -45,7 +45,7 @@ struct Bc6hFields {
 
 [[nodiscard]] Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept;
 
-/// For modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
+/// Packs a block of modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
 void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
 
 // Which texels of a block with two lines belong to which: plain numbers, as a kernel calls nothing outside, and not
@@ -68,7 +68,7 @@ static_assert(sizeof kBc6hSecondLines == kBc6hPartitions * sizeof(std::uint16_t)
 [[nodiscard]] std::uint16_t bc6h_second_line(int partition) noexcept;
 [[nodiscard]] int bc6h_anchor(int partition) noexcept;
 
-/// 16 x 3 halves, row by row. Reserved modes give black.
+/// Writes 16 x 3 half floats, row by row. Reserved modes give black.
 void decode_bc6h(const std::uint8_t* block, Bc6hRange range, std::uint16_t* halves) noexcept;
 
 /// The stored numbers of the ends, differences added to the first: [end][channel]; negative only in the signed format.
@@ -85,16 +85,16 @@ using Bc6hNumbers = std::array<std::array<std::int32_t, 3>, 4>;
 [[nodiscard]] bool store_bc6h_numbers(const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
                                       Bc6hFields& fields) noexcept;
 
-/// Returns one channel's 16 halves of a block of mode 1 to 14 with these numbers.
+/// Writes one channel's 16 half floats of a block of mode 1 to 14 with these numbers.
 void decode_bc6h_channel(const Bc6hFields& fields, const Bc6hNumbers& numbers, std::size_t channel, Bc6hRange range,
                          std::uint16_t* halves) noexcept;
 
-/// Rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// Decodes rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
 /// rgb: [rows][width][3].
 void decode_bc6h_rows(const std::uint8_t* blocks, Bc6hRange range, int width, int first_row, int rows,
                       float* rgb) noexcept;
 
-/// Blocks that it takes to cover so many texels in a row.
+/// Returns the number of blocks that cover `texels` texels in a row.
 [[nodiscard]] constexpr int blocks_across(int texels) noexcept { return (texels + kBlockEdge - 1) / kBlockEdge; }
 
 }  // namespace welkin::image

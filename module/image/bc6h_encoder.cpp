@@ -170,7 +170,7 @@ class Balancer {
       lows[static_cast<std::size_t>(k)] = end_of(first[2 * line][c] + k - kReach, fields.mode);
       highs[static_cast<std::size_t>(k)] = end_of(first[2 * line + 1][c] + k - kReach, fields.mode);
     }
-    double least = cost_of(error, rest, c);
+    double lowest = cost_of(error, rest, c);
     for (int choice = 0; choice < kChoices * kChoices; ++choice) {
       const int lane = choice % simd::kLanes;
       if (lane == 0) {
@@ -183,12 +183,12 @@ class Balancer {
       }
       const ChannelError other = tried(lane, wanted_light);
       const double cost = cost_of(other, rest, c);
-      if (cost >= least) continue;
+      if (cost >= lowest) continue;
       Bc6hNumbers numbers = first;
       numbers[2 * line][c] += choice % kChoices - kReach;
       numbers[2 * line + 1][c] += choice / kChoices - kReach;
       if (!store_bc6h_numbers(numbers, c, range_, fields)) continue;
-      least = cost;
+      lowest = cost;
       error = other;
     }
   }
@@ -287,8 +287,8 @@ void encode_two_lines(const BlockGroup& group, const BlockFormat& format, Encode
 EncodedLevels encode_bc6h_images(std::span<const std::vector<LatLongView>> levels, const Bc6hOptions& options,
                                  const Control& control) {
   const BlockFormat format{options.effort, options.is_signed, encode_single_lines, encode_two_lines,
-                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
-                              EncodedLevels::Level& level) { level.squares += Balancer(images, own, level).run(); }};
+                           [](const std::vector<LatLongView>& images, const BlockFormat& self,
+                              EncodedLevels::Level& level) { level.squares += Balancer(images, self, level).run(); }};
   return encode_images(levels, format, control);
 }
 
@@ -301,7 +301,7 @@ namespace {
 /// texels of seven images' chains, by what the errors came to. (Of evenly spread logarithms it would be 0.54.)
 constexpr double kMeanSquareOfUnits = 0.51;
 
-/// Of six faces.
+/// Bytes of the blocks of six faces.
 std::size_t block_bytes(int size) { return 6 * image::block_bytes(size, size); }
 
 std::int64_t texels_of(int size) { return std::int64_t{6} * size * size; }
@@ -333,13 +333,13 @@ double face_squares(const CubemapView& given, const float* decoded, int face, bo
   constexpr double floor = 1.0 / 16384.0;
   const auto values = 3 * static_cast<std::size_t>(given.size);
   std::vector<float> row(values);
-  const float least = is_signed ? -image::kLargestHalf : 0.0F;
+  const float minimum = is_signed ? -image::kLargestHalf : 0.0F;
   double sum = 0.0;
   for (int line = 0; line < given.size; ++line, decoded += values) {
     image::decode_texels(given.format, image::row_of(given, face, line), given.size, row.data());
     for (std::size_t k = 0; k < values; ++k) {
       // As the encoder clamps it, so that what a half cannot hold is no error of the blocks.
-      const float held = row[k] >= least ? std::min(row[k], image::kLargestHalf) : row[k] < least ? least : 0.0F;
+      const float held = row[k] >= minimum ? std::min(row[k], image::kLargestHalf) : row[k] < minimum ? minimum : 0.0F;
       const auto value = static_cast<double>(held);
       const double error = (static_cast<double>(decoded[k]) - value) / std::max(std::abs(value), floor);
       sum += error * error;

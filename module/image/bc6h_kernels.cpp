@@ -14,7 +14,7 @@ constexpr float kLargestHalfBits = 31743.0F;  // of 65504
 /// images of docs/notes/textures.md); errors grow by a hundredth from 1 to 2 and a thousandth from there.
 constexpr float kBrightness = 2.5F;
 
-/// Rows of 16 blocks to values by lanes: four floats of four blocks are turned at a time.
+/// Loads rows of 16 blocks as values by lanes: four floats of four blocks are transposed at a time.
 void load(const float* const* rows, BlockGroup& group) {
   for (int row = 0; row < 4; ++row) {
     for (int lane = 0; lane < kLanes; lane += 4) {
@@ -38,7 +38,7 @@ WELKIN_INLINE Lanes half_bits(Lanes value) {
   // 13 bits of mantissa are dropped. Adding 0xFFF carries if they exceed half a unit, and one more if they are half a
   // unit of an odd number: ties go to even. 112 = 127 - 15 is the difference of the exponents' biases. Adding 1/2 to
   // what is below 2^-14 gives a float from 1/2 to 1, whose last bit counts 2^-24, as a denormal half's does; 0x3F000000
-  // are the bits of 1/2.
+  // represents 1/2.
   const Integers normal = ((bits + Integers(0xFFF) + odd) >> 13) - Integers(112 << 10);
   const auto small = xsimd::bitwise_cast<Integers>(value + Lanes(0.5F)) - Integers(0x3F000000);
   return select(value < Lanes(6.103515625e-5F), xsimd::to_float(small), xsimd::to_float(normal));
@@ -72,7 +72,7 @@ WELKIN_INLINE void prepare_lanes(float* values, float* weights, std::int32_t* cl
   }
   for (int c = 0; c < 3; ++c) channels[c].store_aligned(sums + c * kLanes);
   const Lanes sum = channels[0] + channels[1] + channels[2];
-  // Below this all halves are 0, and a quotient could be infinite.
+  // Below this every half is 0, and a quotient could be infinite.
   const Mask lit = sum > Lanes(1.0e-30F);
   // light[k] inverse is the texel's light over the weighted mean.
   const Lanes inverse = select(lit, count / select(lit, sum, Lanes(1.0F)), Lanes(0.0F));
@@ -101,7 +101,7 @@ struct SingleLine {
   Lanes error;
 };
 
-/// Ends and mode of a fitted line. The bounds leave room for the next numbers of both ends, which must not differ by
+/// Stores ends and mode of a fitted line. The bounds leave space for the next numbers of both, which must not differ by
 /// more than the mode's differences can say.
 template <bool is_signed>
 WELKIN_INLINE void store_ends(const FittedLine& line, SingleLine& to, Lanes (&low)[3], Lanes (&reach)[3]) {

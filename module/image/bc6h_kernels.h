@@ -11,7 +11,7 @@ namespace welkin::image {
 /// 16 blocks. Values stand by lanes: values[3 texel + channel][block].
 struct alignas(64) BlockGroup {
   float values[48][simd::kLanes];
-  /// What an error of a texel counts. Given: 1, or nearly nothing for those that repeat the edge of an image.
+  /// Weights of the texels' errors. On input 1, or nearly 0 for texels that repeat the edge of an image.
   float weights[16][simd::kLanes];
 };
 
@@ -39,14 +39,14 @@ struct alignas(64) EndTrials {
   float high[simd::kLanes];
   float along[16];
   float wanted[16];
-  // What comes of each choice:
+  // Results of each choice:
   float squares[simd::kLanes];  ///< in units of the halves' last bits
   float light[simd::kLanes];    ///< sum of the decoded values
   int texels;                   ///< of the line
 };
 
 struct Bc6hKernels {
-  /// Values from packed RGB floats: rows[4 block + row] is a row of a block, four texels.
+  /// Loads values from packed RGB floats: rows[4 block + row] is a row of a block, four texels.
   void (*load)(const float* const* rows, BlockGroup& group);
 
   /// Radiance to the halves' bits as numbers (those of negative ones negative), each value rounded to the nearest half,
@@ -61,7 +61,7 @@ struct Bc6hKernels {
   /// `tried`: how many of the 32 partitions are encoded, those that promise most; 1 to `kMaxPartitionsTried`.
   void (*two_lines)(const BlockGroup& group, bool is_signed, int tried, TwoLineBlocks& blocks);
 
-  /// Fills in what comes of each choice.
+  /// Fills in the results of each choice.
   void (*try_ends)(EndTrials& trials, bool is_signed);
 };
 WELKIN_KERNEL_TABLES(Bc6hKernels, bc6h_kernels)

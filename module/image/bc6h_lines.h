@@ -24,7 +24,7 @@ WELKIN_INLINE Lanes select(Mask mask, Lanes a, Lanes b) { return xsimd::select(m
 /// The lanes of one register of a group of blocks.
 struct BlockLanes {
   const float* values;   ///< [48], kLanes floats apart
-  const float* weights;  ///< [16], likewise
+  const float* weights;  ///< [16], kLanes floats apart
 
   [[nodiscard]] WELKIN_INLINE Lanes value(int texel, int channel) const {
     return Lanes::load_aligned(values + (3 * texel + channel) * kLanes);
@@ -46,12 +46,12 @@ struct AllTexels {
     return value(0);
   }
   [[nodiscard]] WELKIN_INLINE Lanes largest_index(int texel) const { return Lanes(texel == 0 ? anchor_limit : steps); }
-  /// What the decoder makes of an index, in 64ths.
+  /// Returns the decoder's weight of an index, in 64ths.
   static WELKIN_INLINE Lanes weight_of(Lanes index) { return truncated(index * Lanes(4.25F) + Lanes(0.5F)); }
 };
 // NOLINTEND(readability-convert-member-functions-to-static)
 
-/// What a fit needs: h . direction + offset is the index, not yet a whole number.
+/// The projection of a fit: h . direction + offset is the index of a texel h, not yet a whole number.
 struct Projection {
   Lanes direction[3];
   Lanes offset;
@@ -130,7 +130,7 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
   }
 }
 
-/// Indices by the place along the axis, the outermost texels at the ends, the anchor in the lower half.
+/// Returns indices by the position along the axis, the outermost texels at the ends, the anchor in the lower half.
 template <class Texels>
 WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texels, const Lanes (&axis)[3]) {
   const Projection plain{{axis[0], axis[1], axis[2]}, Lanes(0.0F)};
@@ -142,7 +142,7 @@ WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texel
     most = xsimd::max(most, texels.inside(k, position, Lanes(-kBig)));
   }
   const Lanes anchor = texels.at_anchor([&](int k) WELKIN_INLINE_LAMBDA { return plain.at(block, k); });
-  // The index is the rounded place from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
+  // The index is the rounded position from `first` on, in steps; index_at truncates, hence the 1/2. If the anchor is in
   // the upper half, the ends are exchanged (its index must not have the upper bit).
   const Lanes range = most - least;
   const Mask turned = anchor - least > most - anchor;
@@ -165,7 +165,7 @@ WELKIN_INLINE Lanes index_at(const BlockLanes& block, const Texels& texels, cons
   return truncated(clamped(projection.at(block, texel), Lanes(0.0F), texels.largest_index(texel) + Lanes(0.5F)));
 }
 
-/// What the decoder makes of an index, 0 to 1: whole 64ths.
+/// Returns the decoder's weight of an index, 0 to 1: whole 64ths.
 template <class Texels>
 WELKIN_INLINE Lanes along(Lanes index) {
   return Texels::weight_of(index) * Lanes(1.0F / 64.0F);
@@ -309,7 +309,7 @@ WELKIN_INLINE Projection between(const Lanes (&low)[3], const Lanes (&high)[3]) 
   return projection;
 }
 
-/// Of numbers for the two ends of a channel, the nearest and the next of each, those whose squares' sum is least.
+/// Numbers for the two ends of a channel: of the nearest and the next for each, the pair whose sum of squares is least.
 struct EndChoice {
   Lanes low, high;
 };

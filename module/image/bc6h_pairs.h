@@ -12,8 +12,8 @@ namespace welkin::image::WELKIN_ISA {
 
 inline constexpr int kMoments = 10;  ///< weight, three sums, six sums of products
 
-/// What two lines through the partition's sides leave out, for ranks only: of each side trace - 48/49 largest
-/// eigenvalue, as an index of eight steps leaves about 1/49 of the spread along its line.
+/// Returns the spread that two lines through the partition's sides leave out, for ranks only: of each side
+/// trace - 48/49 largest eigenvalue, as an index of eight steps leaves about 1/49 of the spread along its line.
 /// The eigenvalue is tr N^6 / tr N^5 times the trace, with the covariance N over its trace.
 WELKIN_INLINE Lanes left_out(const Lanes (&sums)[kMoments]) {
   const Lanes inverse = Lanes(1.0F) / xsimd::max(sums[0], Lanes(1.0e-6F));
@@ -53,8 +53,8 @@ struct Ranking {
   Lanes scores[kMaxPartitionsTried];
   Lanes partitions[kMaxPartitionsTried];
 
-  WELKIN_INLINE void insert(Lanes score, Lanes partition, int places) {
-    for (int k = 0; k < places; ++k) {
+  WELKIN_INLINE void insert(Lanes score, Lanes partition, int slots) {
+    for (int k = 0; k < slots; ++k) {
       const Mask better = score < scores[k];
       const Lanes pushed_score = select(better, scores[k], score);
       const Lanes pushed = select(better, partitions[k], partition);
@@ -84,7 +84,7 @@ WELKIN_INLINE void moments_of(const BlockLanes& block, const Centre& centre, int
 }
 
 /// `allowed`: bit k is set for a partition that may be taken.
-WELKIN_INLINE void rank_partitions(const BlockLanes& block, std::uint32_t allowed, int places, Ranking& ranking) {
+WELKIN_INLINE void rank_partitions(const BlockLanes& block, std::uint32_t allowed, int slots, Ranking& ranking) {
   const Centre centre = centre_of(block, AllTexels());
   Lanes moments[kTexels][kMoments];
   Lanes all[kMoments];
@@ -93,7 +93,7 @@ WELKIN_INLINE void rank_partitions(const BlockLanes& block, std::uint32_t allowe
     moments_of(block, centre, k, moments[k]);
     for (int m = 0; m < kMoments; ++m) all[m] = all[m] + moments[k][m];
   }
-  for (int k = 0; k < places; ++k) ranking.scores[k] = ranking.partitions[k] = Lanes(kBig);
+  for (int k = 0; k < slots; ++k) ranking.scores[k] = ranking.partitions[k] = Lanes(kBig);
   for (int partition = 0; partition < kBc6hPartitions; ++partition) {
     if ((allowed >> partition & 1U) == 0) continue;
     Lanes side[kMoments];
@@ -104,7 +104,7 @@ WELKIN_INLINE void rank_partitions(const BlockLanes& block, std::uint32_t allowe
       for (int m = 0; m < kMoments; ++m) side[m] = side[m] + moments[k][m];
     }
     for (int m = 0; m < kMoments; ++m) other[m] = all[m] - side[m];
-    ranking.insert(left_out(side) + left_out(other), Lanes(static_cast<float>(partition)), places);
+    ranking.insert(left_out(side) + left_out(other), Lanes(static_cast<float>(partition)), slots);
   }
 }
 
@@ -174,7 +174,7 @@ struct LinePair {
   Lanes error;
 };
 
-/// What a mode allows: how many bits an end has, and the bound of differences to the first one, -reach <= d < reach.
+/// The limits of a mode: how many bits an end has, and the bound of differences to the first one, -reach <= d < reach.
 struct ModeChoice {
   Lanes mode, step, inverse;
   Lanes reach[3];

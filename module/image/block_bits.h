@@ -33,9 +33,9 @@ class BlockBits {
   /// Sets the bits after those that were appended before. `count`: up to 32; `value` may have more bits.
   void append(std::uint32_t value, int count) noexcept {
     const std::uint64_t kept = value & ((std::uint64_t{1} << count) - 1);
-    words_[0] |= place_ < 64 ? kept << place_ : 0;
-    if (place_ + count > 64) words_[1] |= place_ < 64 ? kept >> (64 - place_) : kept << (place_ - 64);
-    place_ += count;
+    words_[0] |= offset_ < 64 ? kept << offset_ : 0;
+    if (offset_ + count > 64) words_[1] |= offset_ < 64 ? kept >> (64 - offset_) : kept << (offset_ - 64);
+    offset_ += count;
   }
 
   /// Adds what other bits have set.
@@ -62,11 +62,11 @@ class BlockBits {
 
  private:
   std::array<std::uint64_t, 2> words_{};
-  int place_ = 0;
+  int offset_ = 0;
 };
 
-/// Rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
-/// rgb: [rows][width][3]. `decode(block, halves)` writes a block's 16 x 3 halves, row by row.
+/// Decodes rows of an image of blocks. `blocks`: the row of blocks that holds `first_row`, those below it follow.
+/// rgb: [rows][width][3]. `decode(block, halves)` writes a block's 16 x 3 half floats, row by row.
 template <class Decode>
 void decode_block_rows(const std::uint8_t* blocks, int width, int first_row, int rows, float* rgb,
                        const Decode& decode) noexcept {

@@ -132,7 +132,7 @@ class TileEncoder {
   }
 
  private:
-  [[nodiscard]] BlockPosition place_of(int block) const {
+  [[nodiscard]] BlockPosition block_position(int block) const {
     return position_of(images_.front(), tile_.first_block + block);
   }
 
@@ -195,7 +195,7 @@ class TileEncoder {
     BlockGroup& group = scratch_.groups[static_cast<std::size_t>(first / kLanes)];
     const int count = std::min(kLanes, tile_.blocks - first);
     for (int lane = 0; lane < kLanes; ++lane) {  // lanes without a block repeat the last one
-      const BlockPosition position = place_of(first + std::min(lane, count - 1));
+      const BlockPosition position = block_position(first + std::min(lane, count - 1));
       set_rows(position, static_cast<std::size_t>(lane));
       set_weights(position, static_cast<std::size_t>(lane), group);
     }
@@ -206,7 +206,7 @@ class TileEncoder {
     format_.encode_single_lines(group, format_, scratch_.encoded);
     for (int lane = 0; lane < count; ++lane) {
       const auto at = static_cast<std::size_t>(lane);
-      count_clamped(place_of(first + lane), at, clamped[at]);
+      count_clamped(block_position(first + lane), at, clamped[at]);
       lights_[tile_.first_block + first + lane] = {light[0][at], light[1][at], light[2][at]};
       keep(first + lane, at);
     }

@@ -92,7 +92,7 @@ struct BlockFormat {
   /// Changes a level's brightest blocks to keep each channel's mean, once all are encoded.
   void (*balance)(const std::vector<LatLongView>& images, const BlockFormat& format, EncodedLevels::Level& level);
 
-  /// How many partitions of a block are encoded.
+  /// Returns how many partitions of a block are encoded.
   [[nodiscard]] int partitions_tried() const noexcept { return effort == Bc6hEffort::slow ? kMaxPartitionsTried : 1; }
   /// The least value that a block can hold.
   [[nodiscard]] float least() const noexcept { return is_signed ? -kLargestHalf : 0.0F; }
@@ -114,7 +114,7 @@ struct BlockFormat {
 /// The weight of texels beyond an image's edge.
 inline constexpr float kPaddingWeight = 1.0F / 1024.0F;
 
-/// A block's texels as halves hold them, from `least` on; those beyond its image's edge repeat the last ones.
+/// A block's texels as half floats hold them, from `least` on; those beyond its image's edge repeat the last ones.
 struct BlockTexels {
   std::array<float, 3 * kBlockTexels> values;
   std::array<bool, kBlockTexels> inside;

@@ -17,7 +17,7 @@ struct Levels {
 
 constexpr int count_of(Levels levels) { return levels.base << levels.bits; }
 
-constexpr int bit(int value, int place) { return value >> place & 1; }
+constexpr int bit(int value, int index) { return value >> index & 1; }
 
 using Digits = std::array<std::uint8_t, 5>;
 
@@ -93,13 +93,13 @@ constexpr Digits digits_of(int code, Levels levels) {
 /// `bits` bits, repeated downwards to `wanted`.
 constexpr int repeated(int value, int bits, int wanted) {
   int result = 0;
-  for (int place = wanted - bits;; place -= bits) {
-    result |= place >= 0 ? value << place : value >> -place;
-    if (place <= 0) return result;
+  for (int shift = wanted - bits;; shift -= bits) {
+    result |= shift >= 0 ? value << shift : value >> -shift;
+    if (shift <= 0) return result;
   }
 }
 
-/// The byte that an end's number stands for ("Color endpoint unquantization").
+/// Returns the byte that an end's number stands for (`Color endpoint unquantization`).
 constexpr int byte_of(int number, Levels levels) {
   const int n = levels.bits;
   if (levels.base == 1) return repeated(number, n, 8);

@@ -11,7 +11,7 @@
 namespace welkin::image {
 
 // The 16 that keep the vertical axis. On a lat-long whose columns divide by four the images of a texel lie at the same
-// places within its texels, so that they share what depends on the place alone.
+// positions within its texels, so that they share what depends on the position alone.
 
 /// A mirror, x to -x; then quarter turns about y, from x towards z; then the other hemisphere, y to -y.
 struct CubeImage {
@@ -26,7 +26,7 @@ constexpr int index_of(const CubeImage& image) noexcept {
   return 4 * image.quarter + (image.mirrored ? 2 : 0) + (image.below ? 1 : 0);
 }
 
-/// Where an image has a point of the cube.
+/// Returns where an image has a point of the cube.
 inline glm::ivec3 moved(const CubeImage& image, glm::ivec3 point) noexcept {
   if (image.mirrored) point.x = -point.x;
   for (int k = 0; k < image.quarter; ++k) point = {-point.z, point.y, point.x};
@@ -34,7 +34,7 @@ inline glm::ivec3 moved(const CubeImage& image, glm::ivec3 point) noexcept {
   return point;
 }
 
-/// Which point an image has here.
+/// Returns the point that an image has here.
 inline glm::ivec3 moved_back(const CubeImage& image, glm::ivec3 point) noexcept {
   if (image.below) point.y = -point.y;
   for (int k = 0; k < image.quarter; ++k) point = {point.z, point.y, -point.x};

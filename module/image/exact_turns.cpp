@@ -21,8 +21,8 @@ namespace {
 // A row of a lat-long that is moved along itself by a fraction of a texel.
 
 struct Range {
-  double least;
-  double largest;
+  double minimum;
+  double maximum;
 };
 
 /// The range of the four texels around a position; `texel` is the one before it.
@@ -57,7 +57,7 @@ class MovedRow {
       const auto at = static_cast<std::size_t>(i + kBorder);
       const Range range = range_at(texels_.data() + at);
       const double value = linear_[at] + (flux_[at] - flux_[at - 1]);
-      results[std::ptrdiff_t{i} * step] = static_cast<float>(std::min(std::max(value, range.least), range.largest));
+      results[std::ptrdiff_t{i} * step] = static_cast<float>(std::min(std::max(value, range.minimum), range.maximum));
     }
   }
 
@@ -87,8 +87,8 @@ class MovedRow {
       const Range range = range_at(texels_.data() + i);
       const double in = std::max(flux_[at], 0.0) + std::max(-flux_[at - 1], 0.0);
       const double out = std::max(-flux_[at], 0.0) + std::max(flux_[at - 1], 0.0);
-      rise_[at] = in > 0.0 ? std::min(1.0, (range.largest - linear_[at]) / in) : 0.0;
-      fall_[at] = out > 0.0 ? std::min(1.0, (linear_[at] - range.least) / out) : 0.0;
+      rise_[at] = in > 0.0 ? std::min(1.0, (range.maximum - linear_[at]) / in) : 0.0;
+      fall_[at] = out > 0.0 ? std::min(1.0, (linear_[at] - range.minimum) / out) : 0.0;
     }
     for (int i = 1; i < width_ + kBorder; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -172,20 +172,20 @@ std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat
 
 namespace {
 
-void copy_columns(const LatLongView& source, int row, const ColumnsAndRows& places, float* rgb) {
+void copy_columns(const LatLongView& source, int row, const ColumnsAndRows& mapping, float* rgb) {
   const auto* const from = static_cast<const std::byte*>(row_of(source, row));
   const std::size_t texel_bytes = bytes_per_texel(source.format);
   for (int column = 0; column < source.width; ++column, rgb += 3) {
-    const auto at = static_cast<std::size_t>(places.source_column(column, source.width));
+    const auto at = static_cast<std::size_t>(mapping.source_column(column, source.width));
     decode_texels(source.format, from + at * texel_bytes, 1, rgb);
   }
 }
 
-void move_columns(const FloatPlane& source, int width, int row, const ColumnsAndRows& places, float* rgb) {
-  MovedRow moved(width, places.share);
+void move_columns(const FloatPlane& source, int width, int row, const ColumnsAndRows& mapping, float* rgb) {
+  MovedRow moved(width, mapping.share);
   for (int channel = 0; channel < 3; ++channel) {
     for (int column = 0; column < width; ++column) {
-      moved.texel(column) = static_cast<double>(source.texel(places.source_column(column, width), row)[channel]);
+      moved.texel(column) = static_cast<double>(source.texel(mapping.source_column(column, width), row)[channel]);
     }
     moved.write(rgb + channel, 3);
   }
@@ -195,17 +195,17 @@ void move_columns(const FloatPlane& source, int width, int row, const ColumnsAnd
 
 std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,
                                              const Control& control) {
-  const std::optional<ColumnsAndRows> places = columns_and_rows(rotation, source.width);
-  if (!places) return {};
+  const std::optional<ColumnsAndRows> mapping = columns_and_rows(rotation, source.width);
+  if (!mapping) return {};
   std::optional<FloatPlane> plane;
-  if (places->share > 0.0) plane.emplace(source);
+  if (mapping->share > 0.0) plane.emplace(source);
   const std::size_t row_floats = std::size_t{3} * static_cast<std::size_t>(source.width);
   LatLongImage result{source.width, source.height,
                       std::vector<float>(row_floats * static_cast<std::size_t>(source.height))};
   for_each_row(source.height, source.width, control, [&](int row) {
-    const int from = places->rows_reversed ? source.height - 1 - row : row;
+    const int from = mapping->rows_reversed ? source.height - 1 - row : row;
     float* const rgb = result.pixels.data() + static_cast<std::size_t>(row) * row_floats;
-    plane ? move_columns(*plane, source.width, from, *places, rgb) : copy_columns(source, from, *places, rgb);
+    plane ? move_columns(*plane, source.width, from, *mapping, rgb) : copy_columns(source, from, *mapping, rgb);
   });
   return result;
 }

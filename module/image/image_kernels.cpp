@@ -17,7 +17,7 @@ using simd::DoubleLanes, simd::fetch_line, simd::kDoubleWidth, simd::kLanes, sim
     simd::load_rgb_texels, simd::Quad, simd::repeated_rgb, simd::store_rgb, simd::Texels, simd::weighted_columns,
     simd::weighted_ring;
 
-/// What is left to be added over the four texels.
+/// Returns the four weighted texels of a point, which are still to be added up.
 WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
   const float* const weights = run.ring_weights + 4 * static_cast<std::ptrdiff_t>(point);
   const float* const texels =
@@ -135,7 +135,7 @@ void angle_positions(const double* across, const double* along, int count, doubl
 
 // With t the share of the way from the second to the third texel, the cubic B-spline weighs them
 //   (1 - t)^3 / 6,  2/3 - t^2 + t^3 / 2,  2/3 - (1 - t)^2 + (1 - t)^3 / 2,  t^3 / 6.
-// Where the place is a texel's own, t may be 0 or 1: the weights are the same function either way.
+// Where the position is a texel's own, t may be 0 or 1: the weights are the same function either way.
 void position_taps(const double* positions, int count, bool cubic, std::int32_t* first, float* weights) {
   for (int k = 0; k < count; ++k) {
     const double second = (positions[k] - 0.5 + kRoundToWhole) - kRoundToWhole;
@@ -171,7 +171,7 @@ WELKIN_INLINE const float* first_texel(const PatchRun& run, int point) {
   return run.origin + run.rows[point] * run.row_stride + 3 * static_cast<std::ptrdiff_t>(column);
 }
 
-/// Asks for the texels of a patch further on. An image far finer than the cube is read from memory but once, in as
+/// Prefetches the texels of a patch further on. An image far finer than the cube is read from memory but once, in as
 /// many rows at a time as a patch has, which is more than the processor follows by itself.
 template <bool mirrored>
 WELKIN_INLINE void fetch_patch(const PatchRun& run, int point) {
@@ -287,7 +287,7 @@ void sample_patches(const PatchRun& run, float* rgb) {
 /// Texels of the result that are worked on at a time: their six kilobytes stay in the first-level cache.
 constexpr int kBlock = 64;
 
-// Plain loops: the compiler vectorises the first, which has most of the work, and the order of additions is that of the
+// Plain loops: the compiler vectorizes the first, which has most of the work, and the order of additions is that of the
 // source in any case.
 void reduce_pairs(const float* top, const float* bottom, const float* top_weights, const float* bottom_weights,
                   int count, float* rgb) {
@@ -368,7 +368,7 @@ double weigh_tile(const TileRun& run, float* weights) {
   return area;
 }
 
-// Plain loops that the compiler vectorises: it does only without branches, into which it would move a sum of floats.
+// Plain loops that the compiler vectorizes: it does only without branches, into which it would move a sum of floats.
 // `half_from_float` and `float_from_half` are the same for one value.
 
 std::int32_t bits_of(float value) {

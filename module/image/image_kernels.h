@@ -35,7 +35,7 @@ struct PatchRun {
   std::ptrdiff_t row_stride;    ///< floats from a row to the next
   const std::int32_t* rows;     ///< [count]: first row of each patch
   const std::int32_t* columns;  ///< [count]: first column
-  std::int32_t base;            ///< column 0's place in the image
+  std::int32_t base;            ///< column 0's position in the image
   bool mirrored;                ///< columns count to the left from the one before `base`
   /// [count][patch_rows][4 patch_groups]; or those of columns only, [count][4 patch_groups], with `row_weights`
   const float* weights;
@@ -54,7 +54,7 @@ struct CellRow {
   const double* inverses;  ///< 1 / (4 half_ramps), or 0
 };
 
-/// A piece of a tile's boundary, at one place across from one height to another.
+/// A piece of a tile's boundary, at one position across from one height to another.
 struct TileSide {
   double longitude;  ///< radians, from the middle of the face or from v's axis
   double from;
@@ -72,23 +72,23 @@ struct TileRun {
   CellRow rows;
   int down;
   int groups;           ///< of four columns
-  double* down_shares;  ///< room for [kMaxSides][down, up to a multiple of eight]
+  double* down_shares;  ///< scratch: [kMaxSides][down, up to a multiple of eight]
 };
 
 struct ImageKernels {
   /// lengths[k] = sqrt(u[k]^2 + v^2), k < count.
   void (*plane_lengths)(const double* u, double v, int count, double* lengths);
 
-  /// places[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in quarter
-  /// turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product is
-  /// rounded to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19, rounds
-  /// nothing; with across and along exchanged it is `quarter` less the product.
+  /// positions[k] = `offset` + `quarter` times the angle of the point (along[k], across[k]) from the axis along in
+  /// quarter turns, for k < count and coordinates >= 0; (0, 0) has the angle 0. Error of the angle: 1e-12. The product
+  /// is rounded to a multiple of 2^-32, so that what is added to it later, in halves and whole numbers below 2^19,
+  /// rounds nothing; with across and along exchanged it is `quarter` less the product.
   void (*angle_positions)(const double* across, const double* along, int count, double quarter, double offset,
-                          double* places);
+                          double* positions);
 
-  /// Which of a grid's texels a place lies between, texel k's centre being at k, and what the four from first[i] on
+  /// Which of a grid's texels a position lies between, texel k's centre being at k, and what the four from first[i] on
   /// weigh there: by the cubic B-spline, or linearly (the outer two nothing). weights: [count][4].
-  void (*position_taps)(const double* places, int count, bool cubic, std::int32_t* first, float* weights);
+  void (*position_taps)(const double* positions, int count, bool cubic, std::int32_t* first, float* weights);
 
   /// rgb[3 i + c] = the sum over the 4 x 4 texels around point i of texel times weight of its ring times weight of its
   /// column. Nothing beyond rgb[3 count - 1] is written.
@@ -117,13 +117,13 @@ struct HalfKernels {
   /// did.
   int (*halves_of_floats)(const float* values, int count, std::uint16_t* halves);
 
-  /// Values of halves by their bits.
+  /// Converts half floats, given by their bits, to floats.
   void (*floats_of_halves)(const std::uint16_t* halves, int count, float* values);
 };
 WELKIN_KERNEL_TABLES(HalfKernels, half_kernels)
 
-/// What a texel of a cubemap face stands for; positions are counted in the face's top left quadrant and
-/// weights are those of its mirror image with u >= 0 and v >= 0.
+/// Texels of a row of a cubemap face. Positions are counted in the face's top left quadrant; weights are those of its
+/// mirror image with u >= 0 and v >= 0.
 struct TexelRun {
   int size;          ///< N, texels along an edge of the face
   int row;           ///< 0 to ceil(N/2) - 1
@@ -140,13 +140,12 @@ struct TexelRun {
 
 struct TexelKernels {
   /// Integrals over each texel of the face-local harmonics Y(l, m)(u, v, 1), by a product Gauss rule in
-  /// double. `place[l(l+1)+m]` is the row of `weights` (row stride `stride` floats) that gets Y(l, m).
+  /// double. `rows[l(l+1)+m]` is the row of `weights` (row stride `stride` floats) that gets Y(l, m).
   void (*integrate_texels)(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
-                           const int* place, float* weights, int stride);
+                           const int* rows, float* weights, int stride);
 
-  /// The same for up to three bands by the expansion in the texel's size h = 1/N, in float: relative error
-  /// 2e-7 + 40 h^4.
-  void (*expand_texels)(const TexelRun& run, const int* place, float* weights, int stride);
+  /// For up to three bands, by the expansion in the texel's size h = 1/N, in float: relative error 2e-7 + 40 h^4.
+  void (*expand_texels)(const TexelRun& run, const int* rows, float* weights, int stride);
 };
 WELKIN_KERNEL_TABLES(TexelKernels, texel_kernels)
 

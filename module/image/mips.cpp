@@ -64,7 +64,7 @@ OddMipRow::OddMipRow(int size, MipFilter filter)
 void OddMipRow::place(int row) noexcept {
   row_ = row;
   const int half = size_ / 2;
-  const auto place_of = [&](double cut) { return 2.0 * cut / size_ - 1.0; };
+  const auto coordinate_of = [&](double cut) { return 2.0 * cut / size_ - 1.0; };
   const std::array<double, 4> rows = cuts(row, half);
   for (int column = 0; column < half; ++column) {
     std::array<double, 9>& parts = parts_[static_cast<std::size_t>(column)];
@@ -75,7 +75,7 @@ void OddMipRow::place(int row) noexcept {
         double part = (columns[i + 1] - columns[i]) * (rows[j + 1] - rows[j]);
         if (filter_ == MipFilter::solid_angle) {
           const auto corner = [&](std::size_t a, std::size_t b) {
-            return corner_solid_angle(place_of(columns[a]), place_of(rows[b]));
+            return corner_solid_angle(coordinate_of(columns[a]), coordinate_of(rows[b]));
           };
           part = std::max(0.0, (corner(i + 1, j + 1) - corner(i, j + 1)) - (corner(i + 1, j) - corner(i, j)));
         }
@@ -113,7 +113,7 @@ namespace {
 constexpr std::int64_t kTileTexels = 32768;    ///< of the level above
 constexpr std::int64_t kInlineTexels = 32768;  ///< some 30 microseconds
 
-/// One worker's room: what the texels of a pair of rows weigh.
+/// One worker's scratch: the weights of the texels of a pair of rows.
 struct Scratch {
   explicit Scratch(int size) {
     const auto padded = static_cast<std::size_t>((size + 1) / 2 + simd::kLanes);
@@ -128,7 +128,7 @@ void put_weight(std::vector<float>& weights, int column, float weight) {
   for (int c = 0; c < 3; ++c) weights[static_cast<std::size_t>(3 * column + c)] = weight;
 }
 
-/// From level - 1 to level, if the former has an even number of texels.
+/// Reduces level - 1 to level, if the former has an even number of texels.
 class EvenReduction {
  public:
   EvenReduction(Cubemap& chain, int level, MipFilter filter)
@@ -156,11 +156,11 @@ class EvenReduction {
  private:
   void fill_angles(int row, float* angles) const {
     const image::TexelRun run{2 * size_, row, 0, size_, 1, false};
-    constexpr int place = 0;
+    constexpr int only_row = 0;
     if (2 * size_ > math::kLargestIntegratedFace) {
-      texel_kernels_.expand_texels(run, &place, angles, 0);
+      texel_kernels_.expand_texels(run, &only_row, angles, 0);
     } else {
-      texel_kernels_.integrate_texels(run, math::basis_constants(), math::texel_rule(2 * size_), &place, angles, 0);
+      texel_kernels_.integrate_texels(run, math::basis_constants(), math::texel_rule(2 * size_), &only_row, angles, 0);
     }
   }
 

@@ -67,7 +67,7 @@ void decode_srgba(const void* texels, int count, float* rgb) noexcept {
 }
 
 // value / 255, rounded once. 1 / 255 = 2^-8 + 2^-16 + 2^-24 + ...: eight bits times the first two terms are exact, and
-// the rest is too small for its own rounding to be seen. Two products and a sum vectorise where a division is slow.
+// the rest is too small for its own rounding to be seen. Two products and a sum vectorize where a division is slow.
 constexpr float unit_from_byte(std::uint8_t byte) noexcept {
   constexpr float kFirstTerms = 0x1.01p-8F;
   constexpr auto kRest = static_cast<float>(1.0 / 255.0 - 0x1.01p-8);
@@ -127,32 +127,32 @@ float float_from_half(std::uint16_t half) noexcept {
 namespace {
 
 template <int Channels, int Targets, class Channel>
-void write_texels(const Channel* values, std::size_t count, Channel one, std::byte* place) noexcept {
-  constexpr std::size_t own = std::min(Channels, Targets) * sizeof(Channel);
+void write_texels(const Channel* values, std::size_t count, Channel one, std::byte* to) noexcept {
+  constexpr std::size_t copied = std::min(Channels, Targets) * sizeof(Channel);
   constexpr std::size_t whole = Targets * sizeof(Channel);
   constexpr std::size_t first = std::min(Channels, Targets);
   const std::array<Channel, 5> rest{Channel{}, Channel{}, Channel{}, one};
-  for (std::size_t i = 0; i < count; ++i, values += Channels, place += whole) {
-    std::memcpy(place, values, own);
-    std::memcpy(place + own, rest.data() + first, whole - own);
+  for (std::size_t i = 0; i < count; ++i, values += Channels, to += whole) {
+    std::memcpy(to, values, copied);
+    std::memcpy(to + copied, rest.data() + first, whole - copied);
   }
 }
 
 /// Copies of a length that is not known take several times as long.
 template <class Channel>
 void write_texels(const Channel* values, int channels, std::size_t count, int targets, Channel one,
-                  std::byte* place) noexcept {
+                  std::byte* to) noexcept {
   if (channels == targets) {
-    std::memcpy(place, values, count * static_cast<std::size_t>(channels) * sizeof(Channel));
+    std::memcpy(to, values, count * static_cast<std::size_t>(channels) * sizeof(Channel));
   } else if (channels == 3) {
-    targets == 4 ? write_texels<3, 4>(values, count, one, place) : write_texels<3, 2>(values, count, one, place);
+    targets == 4 ? write_texels<3, 4>(values, count, one, to) : write_texels<3, 2>(values, count, one, to);
   } else {
-    targets == 4 ? write_texels<2, 4>(values, count, one, place) : write_texels<2, 3>(values, count, one, place);
+    targets == 4 ? write_texels<2, 4>(values, count, one, to) : write_texels<2, 3>(values, count, one, to);
   }
 }
 
 std::uint64_t write_halves(const float* values, int channels, std::size_t count, TexelLayout layout,
-                           std::byte* place) noexcept {
+                           std::byte* to) noexcept {
   constexpr std::uint16_t one = 0x3C00;
   const int kept = std::min(channels, layout.channels);
   std::array<float, 4 * kHalvesBlock> block;
@@ -169,9 +169,9 @@ std::uint64_t write_halves(const float* values, int channels, std::size_t count,
       from = block.data();
     }
     changed += static_cast<std::uint64_t>(half_kernels().halves_of_floats(from, numbers, halves.data()));
-    write_texels(halves.data(), kept, here, layout.channels, one, place);
+    write_texels(halves.data(), kept, here, layout.channels, one, to);
     values += here * static_cast<std::size_t>(channels);
-    place += here * layout.texel_bytes();
+    to += here * layout.texel_bytes();
   }
   return changed;
 }
@@ -180,9 +180,9 @@ std::uint64_t write_halves(const float* values, int channels, std::size_t count,
 
 std::uint64_t encode_texels(const float* values, int channels, std::size_t count, TexelLayout layout,
                             void* texels) noexcept {
-  auto* const place = static_cast<std::byte*>(texels);
-  if (layout.halves) return write_halves(values, channels, count, layout, place);
-  write_texels(values, channels, count, layout.channels, 1.0F, place);
+  auto* const to = static_cast<std::byte*>(texels);
+  if (layout.halves) return write_halves(values, channels, count, layout, to);
+  write_texels(values, channels, count, layout.channels, 1.0F, to);
   return 0;
 }
 

@@ -122,7 +122,7 @@ inline constexpr int kLargestFace = 16384;
 inline constexpr int kLargestLatLongWidth = 65536;
 inline constexpr int kLargestLatLongHeight = 32768;
 
-/// An argument that is not from `low` to `high`, by its name. Throws as below.
+/// Throws `Error` (invalid_argument), with the argument's name, unless it is from `low` to `high`.
 void require_range(const char* what, std::int64_t value, std::int64_t low, std::int64_t high);
 
 /// All throw `Error` (invalid_argument) with a message that says what was found and what is allowed.
@@ -149,14 +149,14 @@ void fill_cubemap(const LatLongView& source, Cubemap& cubemap, int level, Resamp
 /// Writes width x height RGB floats, packed: each texel is the mean of the cube's texels, taken as areas of one value
 /// each, over its own area (edges in steps as CubeTiling has them). Every texel of the cube keeps its total radiance to
 /// rounding, and so does a uniform cube its value to 2e-7: what the prefilter's transform wants, and not smooth where
-/// the lat-long is finer than the cube. Takes 24 bytes a texel of the result. The view and the sizes are checked
+/// the lat-long is finer than the cube. Takes 24 bytes per texel of the result. The view and the sizes are checked
 /// already. The same bits on any number of threads. Throws `Error` (cancelled).
 void fill_lat_long_by_area(const CubemapView& source, int width, int height, float* rgb, const Control& control);
 
 /// Six packed faces of RGB floats that lie one after the other.
 [[nodiscard]] CubemapView packed_cubemap(const float* pixels, int size) noexcept;
 
-/// `cubemap` if it has `size` and `levels`, else a new one that has, its pixels not initialised.
+/// Returns `cubemap` if it has `size` and `levels`, else a new one that has, its pixels not initialized.
 [[nodiscard]] Cubemap shaped(Cubemap cubemap, int size, int levels, memory_resource* memory);
 
 /// The six faces of a level.

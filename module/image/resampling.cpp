@@ -33,19 +33,19 @@ int wrapped(int column, int width) noexcept {
   return rest < 0 ? rest + width : rest;
 }
 
-/// The texel before a place, and how far on the place is.
+/// The texel before a position, and how far on the position is.
 struct Between {
   int before;
   double share;  // of the texel after it
 };
 
-Between between(double place) noexcept {
-  const double whole = std::floor(place);
-  return {static_cast<int>(whole), place - whole};
+Between between(double position) noexcept {
+  const double whole = std::floor(position);
+  return {static_cast<int>(whole), position - whole};
 }
 
 /// Bilinear interpolation as `CubemapSampler` does it; across the poles it goes on in the columns on the other side,
-/// half a turn away. In rows whose texels are narrower than the distance of samples, the mean over that distance takes
+/// 180 degrees away. In rows whose texels are narrower than the distance of samples, the mean over that distance takes
 /// the place of interpolation: samples pass none over.
 class LatLongSampler {
  public:
@@ -72,7 +72,7 @@ class LatLongSampler {
  private:
   void add_from_row(int row, double column, double weight, glm::dvec3& sum) const noexcept {
     if (row < 0 || row >= height_) {
-      // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, half a turn away.
+      // A meridian goes on beyond the pole on the opposite one: row -1 is row 0, 180 degrees away.
       row = row < 0 ? 0 : height_ - 1;
       column += 0.5 * width_;
     }
@@ -203,13 +203,13 @@ class Cells {
     double weight;  // in proportion to the solid angle that it stands for
   };
 
-  /// What a row of samples shares: sample row `sub_row` of texel row `row`.
+  /// The position that a row of samples shares: sample row `sub_row` of texel row `row`.
   struct RowSample {
     int face;
     double v;                     // cube: the place on the face
     math::SineCosine latitude{};  // lat-long
   };
-  [[nodiscard]] RowSample row_place(int row, int sub_row) const noexcept {
+  [[nodiscard]] RowSample row_sample(int row, int sub_row) const noexcept {
     const int face = lat_long_ ? 0 : row / columns_;
     const double line = 1.0 * (row - face * columns_) * down_ + sub_row;
     if (lat_long_) return {0, 0.0, math::sine_cosine_of_turns(0.25 - (line + 0.5) / (2.0 * lines_))};
@@ -217,18 +217,18 @@ class Cells {
   }
 
   /// Sample column `column`, counted through all texels.
-  [[nodiscard]] Sample sample(const RowSample& place, int column) const noexcept {
+  [[nodiscard]] Sample sample(const RowSample& row, int column) const noexcept {
     if (lat_long_) {
       const math::SineCosine& longitude = longitudes_[static_cast<std::size_t>(column)];
-      const auto& [sine, cosine] = place.latitude;
+      const auto& [sine, cosine] = row.latitude;
       return {{longitude.sine * cosine, sine, longitude.cosine * cosine}, cosine};
     }
-    const image::Frame& frame = image::face_frame(place.face);
+    const image::Frame& frame = image::face_frame(row.face);
     const double u = (2.0 * column + 1.0) / lines_ - 1.0;
     // The solid angle of du dv is du dv / (1 + u^2 + v^2)^(3/2). Weights are relative: du dv, alike for all samples,
     // drops out when the sum is divided by that of the weights.
-    const double squared = 1.0 + u * u + place.v * place.v;
-    return {frame.normal + u * frame.u + place.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
+    const double squared = 1.0 + u * u + row.v * row.v;
+    return {frame.normal + u * frame.u + row.v * frame.v, 1.0 / (squared * std::sqrt(squared))};
   }
 
  private:
@@ -252,7 +252,7 @@ class Resampler {
   Resampler(const Cells& cells, const Sampler& source, const glm::dmat3& rotation, const Control& control)
       : cells_(cells), source_(source), back_(glm::transpose(rotation)), control_(control) {}
 
-  /// To `cells.rows()` x `cells.columns()` texels of three floats.
+  /// Writes `cells.rows()` x `cells.columns()` texels of three floats.
   void run(float* rgb) const {
     const double texel_samples = 1.0 * cells_.samples_across() * cells_.samples_down();
     const int tile_columns = std::clamp(static_cast<int>(kTileSamples / texel_samples), 1, cells_.columns());
@@ -268,8 +268,8 @@ class Resampler {
       const std::size_t texel = static_cast<std::size_t>(row) * static_cast<std::size_t>(cells_.columns());
       for (int column = first; column < end; ++column) {
         const glm::dvec3 mean = texel_mean(row, column);
-        float* place = rgb + 3 * (texel + static_cast<std::size_t>(column));
-        for (int channel = 0; channel < 3; ++channel) place[channel] = static_cast<float>(mean[channel]);
+        float* to = rgb + 3 * (texel + static_cast<std::size_t>(column));
+        for (int channel = 0; channel < 3; ++channel) to[channel] = static_cast<float>(mean[channel]);
       }
     });
   }
@@ -281,9 +281,9 @@ class Resampler {
     double weights = 0.0;
     for (int sub_row = 0; sub_row < cells_.samples_down(); ++sub_row) {
       if (across >= kSamplesToLookUp) jobs::throw_if_cancelled(control_);
-      const Cells::RowSample place = cells_.row_place(row, sub_row);
+      const Cells::RowSample row_of_samples = cells_.row_sample(row, sub_row);
       for (int sub_column = 0; sub_column < across; ++sub_column) {
-        const Cells::Sample sample = cells_.sample(place, column * across + sub_column);
+        const Cells::Sample sample = cells_.sample(row_of_samples, column * across + sub_column);
         source_.add(back_ * sample.direction, sample.weight, sum);
         weights += sample.weight;
       }
@@ -330,7 +330,7 @@ Cubemap rotate(Cubemap upright, const glm::dmat3& rotation, const Control& contr
   return *image::rotate_exactly(upright.view(), rotation, control);
 }
 
-/// How often `size` doubles to `source_size`; 0 if it does not.
+/// Returns how often `size` doubles to `source_size`; 0 if it does not.
 int halvings(int source_size, int size) {
   int count = 0;
   while (source_size > size && source_size % 2 == 0) {

@@ -1,4 +1,4 @@
-// A row of a face and its mirror image, on all faces alike, share their places on the rings; so these are worked out
+// A row of a face and its mirror image, on all faces alike, share their positions on the rings; so these are found
 // once for the four faces round the equator, and once for the two at the poles.
 #include "image/sphere_grid.h"
 
@@ -83,23 +83,23 @@ struct TapsMemory {
   platform::AlignedBuffer<float> weights;
 };
 
-/// The places of one row of a face.
+/// The taps of one row of a face.
 struct RowTaps {
   Taps rings;
   Taps front;  ///< polar faces: columns where z >= 0
   Taps back;   ///< and where z < 0
 };
 
-/// One worker's room.
+/// One worker's scratch.
 struct Scratch {
   Scratch(int size, int rows)
       : across(static_cast<std::size_t>(size)),
         along(static_cast<std::size_t>(size)),
         angles(static_cast<std::size_t>(size)),
-        places(static_cast<std::size_t>(size)),
+        positions(static_cast<std::size_t>(size)),
         taps(size, 3 * static_cast<std::size_t>(rows)) {}
 
-  std::vector<double> across, along, angles, places;
+  std::vector<double> across, along, angles, positions;
   TapsMemory taps;
 };
 
@@ -142,7 +142,7 @@ class FaceSampler {
     }
   }
 
-  /// The same of the faces +Y and -Y. On +Y the upper rows have z < 0, on -Y the lower ones.
+  /// Samples rows of the faces +Y and -Y. On +Y the upper rows have z < 0, on -Y the lower ones.
   void sample_poles(const Rows& rows, Scratch& scratch) const {
     for (int row = rows.first; row < rows.end; ++row) place_polar_taps(row, scratch, taps_of(rows, row, scratch));
     for (const bool below : {false, true}) {
@@ -164,9 +164,9 @@ class FaceSampler {
   [[nodiscard]] double distance(int index) const noexcept { return static_cast<double>(size_ - 1 - 2 * index) / size_; }
   [[nodiscard]] int opposite(int row) const noexcept { return size_ - 1 - row; }
 
-  void take_taps(const std::vector<double>& places, const Taps& taps) const {
+  void take_taps(const std::vector<double>& positions, const Taps& taps) const {
     const bool cubic = grid_.content() == GridContent::spline_coefficients;
-    kernels_.position_taps(places.data(), size_, cubic, taps.first, taps.weights);
+    kernels_.position_taps(positions.data(), size_, cubic, taps.first, taps.weights);
   }
 
   [[nodiscard]] static RowTaps taps_of(const Rows& rows, int row, Scratch& scratch) {
@@ -177,7 +177,7 @@ class FaceSampler {
   void place_side_rings(int row, Scratch& scratch, const Taps& rings) const {
     std::fill_n(scratch.across.begin(), half_, distance(row));
     kernels_.angle_positions(scratch.across.data(), side_lengths_.data(), half_, -rings_a_quarter_,
-                             0.5 * grid_.rings() - 0.5, scratch.places.data());
+                             0.5 * grid_.rings() - 0.5, scratch.positions.data());
     place_rings(scratch, rings);
   }
 
@@ -185,27 +185,28 @@ class FaceSampler {
     kernels_.plane_lengths(distances_.data(), distance(row), half_, scratch.across.data());
     std::fill_n(scratch.along.begin(), half_, 1.0);
     kernels_.angle_positions(scratch.across.data(), scratch.along.data(), half_, rings_a_quarter_, -0.5,
-                             scratch.places.data());
+                             scratch.positions.data());
     place_rings(scratch, taps.rings);
     place_polar_columns(row, scratch, taps);
   }
 
-  /// From the places of the left half.
+  /// Fills in the positions of the right half from those of the left half.
   void place_rings(Scratch& scratch, const Taps& rings) const {
     for (int column = half_; column < size_; ++column) {
-      scratch.places[static_cast<std::size_t>(column)] = scratch.places[static_cast<std::size_t>(opposite(column))];
+      scratch.positions[static_cast<std::size_t>(column)] =
+          scratch.positions[static_cast<std::size_t>(opposite(column))];
     }
-    take_taps(scratch.places, rings);
+    take_taps(scratch.positions, rings);
   }
 
   /// Calls left(column, angle) for the columns with u <= 0 and right(column, angle) for the others; `angles`: of the
   /// left half, in columns of the grid. The grid's columns run against longitude, column c's centre being at
   /// columns / 2 - 1/2 - c past +z.
   template <class Left, class Right>
-  void fill_places(const double* angles, std::vector<double>& places, const Left& left, const Right& right) const {
-    for (int column = 0; column < half_; ++column) places[static_cast<std::size_t>(column)] = left(angles[column]);
+  void fill(const double* angles, std::vector<double>& positions, const Left& left, const Right& right) const {
+    for (int column = 0; column < half_; ++column) positions[static_cast<std::size_t>(column)] = left(angles[column]);
     for (int column = half_; column < size_; ++column) {
-      places[static_cast<std::size_t>(column)] = right(angles[opposite(column)]);
+      positions[static_cast<std::size_t>(column)] = right(angles[opposite(column)]);
     }
   }
 
@@ -220,11 +221,11 @@ class FaceSampler {
     for (std::size_t side = 0; side < kSides.size(); ++side) {
       const double left_middle = middles[side];
       const double right_middle = kSides[side] == kFaceMinusZ ? columns - 0.5 : left_middle;  // beyond the seam
-      fill_places(
-          scratch.angles.data(), scratch.places, [&](double angle) { return left_middle + angle; },
+      fill(
+          scratch.angles.data(), scratch.positions, [&](double angle) { return left_middle + angle; },
           [&](double angle) { return right_middle - angle; });
       side_columns_[side] = side_taps_.at(side);
-      take_taps(scratch.places, side_columns_[side]);
+      take_taps(scratch.positions, side_columns_[side]);
     }
   }
 
@@ -235,14 +236,14 @@ class FaceSampler {
                              scratch.angles.data());
     const double columns = grid_.columns();
     const double middle = 0.5 * columns - 0.5;
-    fill_places(
-        scratch.angles.data(), scratch.places, [&](double angle) { return middle + angle; },
+    fill(
+        scratch.angles.data(), scratch.positions, [&](double angle) { return middle + angle; },
         [&](double angle) { return middle - angle; });
-    take_taps(scratch.places, taps.front);
-    fill_places(
-        scratch.angles.data(), scratch.places, [&](double angle) { return columns - 0.5 - angle; },
+    take_taps(scratch.positions, taps.front);
+    fill(
+        scratch.angles.data(), scratch.positions, [&](double angle) { return columns - 0.5 - angle; },
         [](double angle) { return angle - 0.5; });
-    take_taps(scratch.places, taps.back);
+    take_taps(scratch.positions, taps.back);
   }
 
   /// `below`: rings counted from the other pole.

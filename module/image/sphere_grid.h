@@ -9,7 +9,7 @@
 
 namespace welkin::image {
 
-/// What the numbers of a grid are.
+/// The meaning of a grid's numbers.
 enum class GridContent {
   samples,              ///< the function at the texels' centres
   spline_coefficients,  ///< of the cubic B-spline, in both directions, that takes the function's values there
@@ -18,7 +18,7 @@ enum class GridContent {
 /// `rings` x `columns` texels of four floats (red, green, blue, unused) laid out as `LatLongView` has them: texel
 /// (i, j)'s centre is at colatitude pi (j + 1/2) / rings and longitude pi - 2 pi (i + 1/2) / columns. Beyond every edge
 /// lie kBorder more texels, copies of what lies there on the sphere: across the seam, and across a pole (the ring of
-/// the same distance on its other side, half a turn on; where `columns` is odd that lies between two texels, and their
+/// the same distance on its other side, 180 degrees on; where `columns` is odd that lies between two texels, and their
 /// mean is taken).
 class SphereGrid {
  public:

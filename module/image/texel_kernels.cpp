@@ -1,4 +1,4 @@
-// What a texel of a cubemap face weighs in each harmonic.
+// Weights of the texels of a cubemap face in each harmonic.
 //
 // On the face, r^2 = 1 + u^2 + v^2, the face-local direction is (u, v, 1) / r and the solid angle of an area
 // element is du dv / r^3. A texel of half-width h = 1/N around (u, v) weighs
@@ -33,7 +33,7 @@ WELKIN_INLINE void clear_padding(const TexelRun& run, float* weights, int stride
 
 constexpr int kMaximumFunctions = math::kRecurrenceBands * math::kRecurrenceBands;
 
-/// Adds scale Y at (u, v, 1) to sums[place].
+/// Adds scale Y at (u, v, 1) to sums[slot].
 WELKIN_INLINE void add_basis(const TexelRun& run, const math::BasisRecurrence& recurrence, DoubleLanes u, double v,
                              DoubleLanes area, bool unit_scale, const int* slot, DoubleLanes* sums) {
   const DoubleLanes q = DoubleLanes(1.0) / (DoubleLanes(1.0) + u * u + DoubleLanes(v) * DoubleLanes(v));
@@ -88,7 +88,7 @@ void integrate_texels(const TexelRun& run, const math::BasisRecurrence& recurren
   clear_padding(run, weights, stride);
 }
 
-/// What one call multiplies with: texel area 4 h^2 times the normalisation of each harmonic, each product
+/// Factors of one call: texel area 4 h^2 times the normalization of each harmonic, each product
 /// rounded to float once (two roundings would bias every weight of a face alike), and h^2.
 struct Factors {
   explicit Factors(int size)
@@ -105,7 +105,7 @@ struct Factors {
   float h_squared;
 };
 
-/// Where in `weights` each of the nine functions goes: place[l(l+1)+m] rows down.
+/// Where in `weights` each of the nine functions goes: slot[l(l+1)+m] rows down.
 struct Rows {
   float* weights;
   const int* slot;

@@ -101,7 +101,7 @@ UastcEnds ends_of(const Numbers& n) noexcept {
            {n[kA], n[kA] - n[kB0], n[kA] - n[kB1]}}};
 }
 
-/// In steps of 12 bits, the channels in their places.
+/// Returns the ends in steps of 12 bits, the channels in their own order.
 UastcEnds shifted_ends(const Numbers& n, const EndMode& mode, std::size_t brightest) noexcept {
   UastcEnds ends = ends_of(n);
   for (auto& end : ends) {
@@ -335,7 +335,7 @@ void pack_uastc_lines(std::span<const UastcLine> lines, int partition,
   const std::int16_t seed = pair ? kSeeds[static_cast<std::size_t>(partition)] : std::int16_t{0};
   BlockBits bits;
   bits.append(pair ? 0x42U : 0x242U, 11);  // block mode: 4 x 4 indices of 2 bits, or of 4
-  bits.append(pair ? 1U : 0U, 2);          // partitions beside the first
+  bits.append(pair ? 1U : 0U, 2);          // partitions in addition to the first
   if (pair) {
     bits.append(static_cast<std::uint32_t>(std::abs(seed)), 10);
     bits.append(0, 2);  // both have the same format

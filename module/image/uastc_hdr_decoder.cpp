@@ -33,14 +33,14 @@ constexpr std::size_t kFirstOfEnds = 4;
 
 /// A number's plain bits, and its digit above them. Digits' bits lie between the plain ones, shared by a group.
 template <std::size_t most>
-void read_numbers(const BlockBits& from, int place, Levels levels, int count, std::array<std::uint8_t, most>& numbers) {
+void read_numbers(const BlockBits& from, int next, Levels levels, int count, std::array<std::uint8_t, most>& numbers) {
   const int group = astc::group_of(levels);
   const astc::Digits digit_bits = astc::digit_bits_of(levels);
-  const int end = place + bits_of(levels, count);
+  const int end = next + bits_of(levels, count);
   const auto read = [&](int bits) {
-    const int here = std::min(bits, std::max(0, end - place));  // the last group's further digits are 0
-    const int value = from.at(place, here);
-    place += here;
+    const int here = std::min(bits, std::max(0, end - next));  // the last group's further digits are 0
+    const int value = from.at(next, here);
+    next += here;
     return value;
   };
   for (int first = 0; first < count; first += group) {
@@ -101,8 +101,8 @@ UastcEnds scaled_ends(const std::uint8_t* v) {
     std::size_t from;  ///< of the bits above
     int to;
   };
-  const auto gather = [&](int& number, const auto& places) {
-    for (const BitField& place : places) number |= bit(place.modes, mode) * more[place.from] << place.to;
+  const auto gather = [&](int& number, const auto& fields) {
+    for (const BitField& field : fields) number |= bit(field.modes, mode) * more[field.from] << field.to;
   };
   gather(green, std::array<BitField, 2>{{{0x30, 0, 6}, {0x3A, 1, 5}}});
   gather(blue, std::array<BitField, 2>{{{0x30, 2, 6}, {0x3A, 3, 5}}});
@@ -148,7 +148,7 @@ std::uint32_t second_part(int index) {
   const std::uint32_t one = (index & 2) != 0 ? 4 : 5;
   const std::uint32_t across = (index & 1) != 0 ? one : 5;
   const std::uint32_t down = (index & 1) != 0 ? 5 : one;
-  const auto square = [p](unsigned place) { return (p >> place & 0xFU) * (p >> place & 0xFU); };
+  const auto square = [p](unsigned shift) { return (p >> shift & 0xFU) * (p >> shift & 0xFU); };
   std::uint32_t parts = 0;
   for (std::uint32_t k = 0; k < kBlockTexels; ++k) {
     const std::uint32_t x = 2 * (k % kBlockEdge);  // a small block is looked at twice as closely
@@ -160,7 +160,7 @@ std::uint32_t second_part(int index) {
   return parts;
 }
 
-/// To 16 x 3 halves. False for what the format does not have.
+/// Decodes to 16 x 3 half floats. Returns false for blocks that the format does not have.
 bool decode_block(const std::uint8_t* block, std::uint16_t* halves) {
   const BlockBits bits(block);
   constexpr int kFlat = 0x1FC;
@@ -178,19 +178,19 @@ bool decode_block(const std::uint8_t* block, std::uint16_t* halves) {
   constexpr int kMinStepBits = 24;
   const int parts = bits.at(11, 2) + 1;
   if (parts > 2 || bits_of(steps, kBlockTexels) < kMinStepBits) return false;
-  const int format_place = parts == 1 ? 13 : 25;
+  const int format_offset = parts == 1 ? 13 : 25;
   if (parts == 2 && bits.at(23, 2) != 0) return false;  // formats that differ
-  const int format = bits.at(format_place, 4);
+  const int format = bits.at(format_offset, 4);
   if (format != 7 && format != 11) return false;
   const int per_part = format == 7 ? 4 : 6;
-  const int room = kBitsOfBlock - (format_place + 4) - bits_of(steps, kBlockTexels);
+  const int free_bits = kBitsOfBlock - (format_offset + 4) - bits_of(steps, kBlockTexels);
   std::size_t fine = kLevels.size();
-  while (fine > kFirstOfEnds && bits_of(kLevels[fine - 1], parts * per_part) > room) --fine;
+  while (fine > kFirstOfEnds && bits_of(kLevels[fine - 1], parts * per_part) > free_bits) --fine;
   if (fine == kFirstOfEnds) return false;
   const Levels levels = kLevels[fine - 1];
 
   std::array<std::uint8_t, 12> numbers{};
-  read_numbers(bits, format_place + 4, levels, parts * per_part, numbers);
+  read_numbers(bits, format_offset + 4, levels, parts * per_part, numbers);
   for (std::uint8_t& number : numbers) number = static_cast<std::uint8_t>(byte_of(number, levels));
   std::array<UastcEnds, 2> ends{};
   for (int part = 0; part < parts; ++part) {

@@ -105,7 +105,7 @@ using AllHalves = std::array<BlockHalves, kLanes>;
 
 constexpr float kNoBlock = 1.0e30F;  ///< an error that every block is better than
 
-/// Blocks of lines that are fitted so many times take the place of those in `to` that they are better than.
+/// Replaces blocks in `to` by blocks of lines that are fitted so many times, where these are better.
 void improve_by(Lines& lines, int turns, const BlockGroup& group, EncodedBlocks& to, AllHalves* halves) {
   std::array<std::uint8_t, kBlockBytes> block;
   for (int turn = 0; turn < turns; ++turn) {
@@ -135,7 +135,7 @@ void encode_single_lines(BlockGroup& group, Bc6hEffort effort, EncodedBlocks& to
   improve_by(lines, effort == Bc6hEffort::fast ? 1 : 2, group, to, halves);
 }
 
-/// Blocks that are better than those in `to` take their place.
+/// Replaces blocks in `to` by blocks of two lines, where these are better.
 void improve_by_two_lines(const BlockGroup& group, int tried, EncodedBlocks& to, AllHalves* halves) {
   alignas(64) float partitions[kMaxPartitionsTried][kLanes];
   uastc_hdr_kernels().rank_partitions(group, kUastcPartitions, tried, partitions);
@@ -284,15 +284,15 @@ class Balancer {
 EncodedLevels encode_uastc_hdr_images(std::span<const std::vector<LatLongView>> levels, Bc6hEffort effort,
                                       const Control& control) {
   const BlockFormat format{effort, false,
-                           [](BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
-                             encode_single_lines(group, own.effort, to, nullptr);
+                           [](BlockGroup& group, const BlockFormat& self, EncodedBlocks& to) {
+                             encode_single_lines(group, self.effort, to, nullptr);
                            },
-                           [](const BlockGroup& group, const BlockFormat& own, EncodedBlocks& to) {
+                           [](const BlockGroup& group, const BlockFormat& self, EncodedBlocks& to) {
                              std::fill_n(to.errors, kLanes, kNoBlock);
-                             improve_by_two_lines(group, own.partitions_tried(), to, nullptr);
+                             improve_by_two_lines(group, self.partitions_tried(), to, nullptr);
                            },
-                           [](const std::vector<LatLongView>& images, const BlockFormat& own,
-                              EncodedLevels::Level& level) { Balancer(images, own, level).run(); }};
+                           [](const std::vector<LatLongView>& images, const BlockFormat& self,
+                              EncodedLevels::Level& level) { Balancer(images, self, level).run(); }};
   return encode_images(levels, format, control);
 }
 

@@ -114,8 +114,8 @@ WELKIN_INLINE Lanes square_of(const BlockLanes& block, int texel, const Lanes (&
     const Lanes off = between_ends(low[c], high[c], weight) + Lanes(0.5F) - block.value(texel, c);
     square = square + off * off;
   }
-  // 2048 logarithms and 1024 halves to a power of two: half a unit, and a quarter squared, so that errors compare with
-  // those of BC6H.
+  // 2048 logarithms and 1024 half floats per power of two: half a unit, and a quarter squared, so that errors compare
+  // with those of BC6H.
   return square * xsimd::min(block.weight(texel), Lanes(1.0F)) * Lanes(0.25F);
 }
 

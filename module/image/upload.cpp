@@ -169,18 +169,18 @@ void check(int size, const CubemapTarget& to) {
   }
 }
 
-/// Stores a row, counted over all faces; `room` for one of floats. Returns how many values were clamped.
-std::uint64_t store_row(const CubemapView& from, const CubemapTarget& to, int row, float* room) {
+/// Stores a row, counted over all faces; `scratch` for one of floats. Returns how many values were clamped.
+std::uint64_t store_row(const CubemapView& from, const CubemapTarget& to, int row, float* scratch) {
   const auto face = static_cast<std::size_t>(row / from.size);
   const std::ptrdiff_t packed = from.size * static_cast<std::ptrdiff_t>(bytes_of_texel(to.format));
   auto* const target = static_cast<std::uint8_t*>(to.faces[face]) +
                        row % from.size * (to.row_stride_bytes != 0 ? to.row_stride_bytes : packed);
   const void* const source = image::row_of(from, row / from.size, row % from.size);
-  const float* rgb = room;
+  const float* rgb = scratch;
   if (from.format == PixelFormat::rgb32f) {
     rgb = static_cast<const float*>(source);
   } else {
-    image::decode_texels(from.format, source, from.size, room);
+    image::decode_texels(from.format, source, from.size, scratch);
   }
   return image::encode_texels(to.format, rgb, static_cast<std::size_t>(from.size), target);
 }

@@ -143,7 +143,7 @@ class Capture {
   BakedProbes& into_;
 };
 
-/// An empty grid of the sizes that the options ask for.
+/// Returns an empty grid of the sizes in the options.
 BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions& options) {
   BakedProbes probes;
   probes.grid = grid;
@@ -156,7 +156,7 @@ BakedProbes sizes_of(const ProbeGrid& grid, bool with_depths, const ProbeOptions
   return probes;
 }
 
-/// `from`'s values of a probe to `to`'s place for it.
+/// Copies `from`'s values of a probe to its slot in `to`.
 template <class Value>
 void copy_probe(const std::vector<Value>& from, std::size_t of, std::vector<Value>& to, std::size_t at,
                 std::size_t values) {

@@ -54,13 +54,13 @@ void for_each_neighbour(const ProbeGrid& grid, const std::vector<Neighbour>& nei
                         const Take& take) {
   const auto columns = static_cast<std::size_t>(grid.counts[0]);
   const auto rows = static_cast<std::size_t>(grid.counts[1]);
-  const std::array<int, 3> place{static_cast<int>(probe % columns), static_cast<int>(probe / columns % rows),
-                                 static_cast<int>(probe / columns / rows)};
+  const std::array<int, 3> position{static_cast<int>(probe % columns), static_cast<int>(probe / columns % rows),
+                                    static_cast<int>(probe / columns / rows)};
   for (const Neighbour& neighbour : neighbours) {
     std::array<std::size_t, 3> at{};
     bool inside = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int there = place[axis] + neighbour.step[axis];
+      const int there = position[axis] + neighbour.step[axis];
       inside = inside && there >= 0 && there < grid.counts[axis];
       at[axis] = static_cast<std::size_t>(inside ? there : 0);
     }
@@ -118,10 +118,10 @@ void dilate(BakedProbes& probes, int most_passes, const Control& control) {
   for (int pass = 1; pass <= most_passes && !open.empty(); ++pass) {
     const std::size_t before = open.size();
     open = run_pass(probes, neighbours, open, static_cast<std::uint8_t>(std::min<int>(pass, kLastPass)), control);
-    if (open.size() == before) break;  // nobody has a neighbour with light
+    if (open.size() == before) break;  // none has a neighbour with light
   }
   probes.unfilled = open.size();
-  // What was captured there says nothing, and may have been filled before.
+  // Coefficients that were captured there mean nothing, and may have been filled before.
   const std::size_t functions = probes::squared(probes.bands);
   for (const std::size_t probe : open) {
     if (most_passes > 0) std::fill_n(probes.coefficients.data() + probe * functions, functions, dvec3(0.0));
@@ -137,8 +137,8 @@ using probes::for_each_probe;
 
 constexpr const char* kChannels[] = {"red", "green", "blue"};
 
-/// What a coefficient of the visibility adds to those of the radiance: [sky_bands^2][bands^2], the products of the
-/// environment with each basis function.
+/// Returns what a coefficient of the visibility adds to those of the radiance: [sky_bands^2][bands^2], the products of
+/// the environment with each basis function.
 std::vector<dvec3> transfer_of(const SphericalHarmonics& environment, int sky_bands, int bands) {
   std::vector<dvec3> transfer;
   for (std::size_t k = 0; k < probes::squared(sky_bands); ++k) {
@@ -303,7 +303,7 @@ class Mover {
     // The free way behind: no farther than its middle, so that the wall there is not the next that is too near.
     double free_way = 2.0 * clearance_;
     for_each_ray(rays_, depths, [&](std::size_t ray, double depth) {
-      constexpr double kAround = 0.98;  // cosine of 11 degrees: walls beside the way do not count
+      constexpr double kAround = 0.98;  // cosine of 11 degrees: walls to the side of the way do not count
       const double cosine = glm::dot(rays_.directions[ray], away);
       if (cosine > kAround) free_way = std::min(free_way, std::abs(depth) * cosine);
     });

@@ -24,7 +24,7 @@ constexpr int kMaxBlocks = 16;
 /// a block's edge on a face of edge 2 with 16 of them. Across narrower lobes a second-order correction means nothing.
 constexpr int kWideLobe = 65;
 
-/// Blocks of less weight beside the nearest one are left out: they change a mean by less than a float's last bit.
+/// Blocks of less weight relative to the nearest one are left out: they change a mean by less than a float's last bit.
 /// Beyond the angle where c^power = 1e-9 the lobe has the share Int from 0 to c of x^power dx / Int from 0 to 1 =
 /// c^(power + 1), less than 1e-9 of the weights.
 constexpr double kMinWeight = 1e-9;
@@ -139,7 +139,7 @@ DepthMaps::DepthMaps(int size, const DepthRules& rules)
 void DepthMaps::gather_shares(int column, int row) {
   first_share_.push_back(shares_.size());
   const dvec3 axis = octahedral_decode((column + 0.5) / rules_.distance_size, (row + 0.5) / rules_.distance_size);
-  // Cosines are taken beside the largest, so that some weight is near 1 whatever the power.
+  // Cosines are divided by the largest, so that some weight is near 1 whatever the power.
   double nearest = 0.0;
   for (const dvec3& direction : directions_) nearest = std::max(nearest, glm::dot(axis, direction));
   const double texels = static_cast<double>(size_) / edge_;
@@ -147,7 +147,7 @@ void DepthMaps::gather_shares(int column, int row) {
   const std::size_t first = shares_.size();
   for (std::size_t block = 0; block < directions_.size(); ++block) {
     const double cosine = glm::dot(axis, directions_[block]);
-    // Weights are normalized below, so any common factor may be taken out: (cosine / nearest)^power does not underflow
+    // Weights are normalized below, so any common factor may be dropped. (cosine / nearest)^power does not underflow
     // for large powers.
     const double lobe = cosine > 0.0 ? power_of(cosine / nearest, rules_.distance_power) : 0.0;
     if (lobe < kMinWeight) continue;

@@ -1,4 +1,4 @@
-// What the distances around a probe tell: how much of what it sees is near or a back, and the means by direction.
+// Statistics of the distances around a probe: how much of what it sees is near or a back, and the means by direction.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ void require_count(const char* name, std::size_t is, std::size_t must_be);
 /// A row of texels.
 [[nodiscard]] const float* row_of(const DepthView& view, int face, int row) noexcept;
 
-/// What counts, and as what.
+/// Rules for which distances count and how, and the map's size and lobe.
 struct DepthRules {
   double near_distance;   ///< what is seen nearer counts against the probe
   double distance_limit;  ///< larger distances count as it
@@ -32,12 +32,12 @@ struct DepthRules {
   int distance_power;     ///< of the cosine
 };
 
-/// Reads depths of one size. Tables are made once; then any number of threads may read, each with its own room.
+/// Reads depths of one size. Tables are made once; then any number of threads may read, each with its own scratch.
 class DepthMaps {
  public:
   DepthMaps(int size, const DepthRules& rules);
 
-  /// What a thread needs.
+  /// The memory of one thread.
   class Scratch {
    public:
     explicit Scratch(const DepthMaps& maps);
@@ -48,12 +48,12 @@ class DepthMaps {
     std::vector<double> blocks_;   ///< [blocks][2]: means
   };
 
-  /// Writes (distance_size + 2)^2 x 2 floats, and returns the share of the sphere that is neither near nor a back;
+  /// Writes (distance_size + 2)^2 x 2 floats, and returns the fraction of the sphere that is neither near nor a back;
   /// below 0 if a depth is NaN. Allocates nothing.
   [[nodiscard]] float read(const DepthView& depths, Scratch& scratch, std::span<float> distances) const noexcept;
 
  private:
-  /// What a block adds to a texel of the map.
+  /// The weight of a block in a texel of the map.
   struct Share {
     std::uint32_t block;
     double weight;
@@ -69,7 +69,7 @@ class DepthMaps {
   int edge_;  ///< blocks along an edge of a face
   DepthRules rules_;
   std::vector<double> solid_angles_;      ///< [size][size] of texels, alike on all faces
-  std::vector<double> block_angles_;      ///< [edge][edge] of blocks, likewise
+  std::vector<double> block_angles_;      ///< [edge][edge] of blocks, alike on all faces
   std::vector<dvec3> directions_;         ///< of the middles of all blocks
   std::vector<Share> shares_;             ///< of all texels of the map
   std::vector<std::size_t> first_share_;  ///< of each texel, and where the last one's end

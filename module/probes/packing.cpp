@@ -52,11 +52,11 @@ void add_texture(PackedProbes& packed, const char* name, const std::array<int, 3
 
 /// Returns how many values did not fit.
 std::uint64_t set(ProbeTexture& texture, int x, int y, int z, const Texel& texel) {
-  const std::size_t place =
+  const std::size_t index =
       (static_cast<std::size_t>(z) * static_cast<std::size_t>(texture.size[1]) + static_cast<std::size_t>(y)) *
           static_cast<std::size_t>(texture.size[0]) +
       static_cast<std::size_t>(x);
-  auto* halves = reinterpret_cast<std::uint8_t*>(texture.halves.data() + 4 * place);
+  auto* halves = reinterpret_cast<std::uint8_t*>(texture.halves.data() + 4 * index);
   return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
 }
 
@@ -143,8 +143,8 @@ constexpr double kSecondScale = 3.5777088;
 /// A probe in Unity's seven textures.
 using UnityTexels = std::array<Texel, 7>;
 
-/// Beside the mean; 1/2 stands for nothing.
-float beside(double value, double mean, double scale) noexcept {
+/// Returns value / mean / scale + 1/2, so that 1/2 stands for 0.
+float relative(double value, double mean, double scale) noexcept {
   return static_cast<float>(mean == 0.0 ? 0.5 : value / mean / scale + 0.5);
 }
 
@@ -163,16 +163,16 @@ UnityTexels unity_texels(const BakedProbes& probes, std::size_t probe, int bands
     texels[0][c] = static_cast<float>(mean);
     // A texture's w holds one axis of red; its x, y and z all axes of green or of blue.
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float value = beside(first[static_cast<int>(axis)], mean, kFirstScale);
+      const float value = relative(first[static_cast<int>(axis)], mean, kFirstScale);
       if (c == 0) {
         texels[axis][3] = value;
       } else {
         texels[c][axis] = value;
       }
     }
-    texels[3 + c] = {beside(second.x, mean, kSecondScale), beside(second.y, mean, kSecondScale),
-                     beside(second.z / 3.0, mean, kSecondScale), beside(second.w, mean, kSecondScale)};
-    texels[6][c] = beside(light.vectors[6].value[static_cast<int>(c)], mean, kSecondScale);
+    texels[3 + c] = {relative(second.x, mean, kSecondScale), relative(second.y, mean, kSecondScale),
+                     relative(second.z / 3.0, mean, kSecondScale), relative(second.w, mean, kSecondScale)};
+    texels[6][c] = relative(light.vectors[6].value[static_cast<int>(c)], mean, kSecondScale);
   }
   return texels;
 }
@@ -194,8 +194,8 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
     std::uint64_t clamped = 0;
     const std::array<int, 3> first{3 * (brick % packed.bricks[0]), 3 * (brick / packed.bricks[0] % packed.bricks[1]),
                                    3 * (brick / packed.bricks[0] / packed.bricks[1])};
-    const std::array<int, 3> place{brick % in_row * kBrickEdge, brick / in_row % rows * kBrickEdge,
-                                   brick / in_row / rows * kBrickEdge};
+    const std::array<int, 3> origin{brick % in_row * kBrickEdge, brick / in_row % rows * kBrickEdge,
+                                    brick / in_row / rows * kBrickEdge};
     const auto at = [&](std::size_t axis, int step) {
       return std::min(first[axis] + step, probes.grid.counts[axis] - 1);
     };
@@ -205,7 +205,7 @@ PackedProbes pack_unity(const BakedProbes& probes, ProbeLayout layout, const Con
           const UnityTexels texels = unity_texels(probes, number_of(probes.grid, at(0, x), at(1, y), at(2, z)),
                                                   layout == ProbeLayout::unity_l2 ? 3 : 2);
           for (std::size_t k = 0; k < count; ++k) {
-            clamped += set(packed.textures[k], place[0] + x, place[1] + y, place[2] + z, texels[k]);
+            clamped += set(packed.textures[k], origin[0] + x, origin[1] + y, origin[2] + z, texels[k]);
           }
         }
       }
@@ -289,7 +289,7 @@ std::vector<dvec3> map_directions() {
   return directions;
 }
 
-/// Of the probe at that place of the grid. Columns lie along x, rows along z, a layer per plane of y.
+/// Packs the maps of the probe at that position of the grid. Columns lie along x, rows along z, a layer per plane of y.
 std::uint64_t pack_maps(std::vector<ProbeTexture>& textures, const BakedProbes& probes,
                         const std::vector<dvec3>& directions, const glm::ivec3& at) {
   const std::size_t probe = number_of(probes.grid, at.x, at.y, at.z);

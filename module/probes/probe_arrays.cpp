@@ -27,7 +27,7 @@ void check_grid(const ProbeGrid& grid) {
     const std::string along = std::string(" along ") + axes[axis];
     image::require_range(("probes of a grid" + along).c_str(), grid.counts[static_cast<std::size_t>(axis)], 1,
                          kMaxAlong);
-    // What floats square without an overflow.
+    // Floats square values within these bounds without an overflow.
     platform::require_between("ProbeGrid: spacing" + along, grid.spacing[axis], 1e-9, 1e12);
     platform::require_between("ProbeGrid: origin" + along, grid.origin[axis], -kFarthest, kFarthest);
   }

@@ -1,4 +1,4 @@
-// What the calls about grids of probes ask of their arguments.
+// Limits of grids of probes, and checks of the arguments of calls about them.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 namespace welkin::probes {
 
 inline constexpr int kMaxBands = 4;
-inline constexpr double kFarthest = 1e15;       ///< of places and origins: floats square it without an overflow
+inline constexpr double kFarthest = 1e15;       ///< of positions and origins: floats square it without an overflow
 inline constexpr std::uint8_t kUnfilled = 255;  ///< in `BakedProbes::passes`
-inline constexpr std::uint8_t kLastPass = 254;  ///< likewise, of that pass and all later ones
+inline constexpr std::uint8_t kLastPass = 254;  ///< in `BakedProbes::passes`, of that pass and all later ones
 
 [[nodiscard]] inline std::size_t squared(int edge) noexcept {
   return static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge);

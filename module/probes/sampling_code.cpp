@@ -29,7 +29,7 @@ using glm::length;
 using glm::max;
 using glm::min;
 
-/// What the shaders' code reads, and the code.
+/// The inputs of the shaders' code, and the code itself.
 class Lookup {
  public:
   using vec2 = glm::vec<2, float, glm::packed_highp>;

@@ -14,10 +14,10 @@ struct ErrorBounds {
   [[nodiscard]] ErrorBounds tightened(int steps) const noexcept;
 };
 
-/// What is left of a bound for the lights, and for texels that see less light than the whole sphere has.
+/// Fraction of a bound that bands may use. The rest is for lights, and texels that see less light than the sphere has.
 inline constexpr double kOfBound = 0.8;
 
-/// The same of lobes other than GGX, whose kinks leave more than ten times the root mean square at single texels.
+/// That fraction for lobes other than GGX, whose kinks leave more than ten times the root mean square at single texels.
 inline constexpr double kOfLobeBound = 0.3;
 
 inline constexpr int kBandStep = 8;       ///< bands are a multiple of it
@@ -38,21 +38,21 @@ inline constexpr int kMaxTightenings = 2;
 /// Returns the bands to begin with: by the kink no more than at the default bounds, which do for most images.
 [[nodiscard]] int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept;
 
-/// Returns the fewest rings of latitude that a cubemap is read on where `alpha` is that of the narrowest lobe.
+/// Returns the minimum number of rings to read a cubemap on where `alpha` is that of the narrowest lobe.
 [[nodiscard]] double rings_within(double alpha, const ErrorBounds& bounds) noexcept;
 
-/// Returns the fewest texels along an edge of a cubemap's faces to which they are halved first (`halved_faces`) where
-/// `alpha` is that of the narrowest lobe and lobes with kinks take `bands`.
+/// Returns the minimum number of texels along an edge of the faces that a cubemap's are halved to (`halved_faces`)
+/// where `alpha` is that of the narrowest lobe and lobes with kinks take `bands`.
 [[nodiscard]] double face_texels_within(double alpha, int bands, const ErrorBounds& bounds) noexcept;
 
-/// What one mip's synthesis multiplies bands by.
+/// The factors by which one mip's synthesis multiplies bands.
 struct BandChoice {
   std::vector<double> zonal;  ///< one factor per band: the lobe's spectrum, tapered to nothing at the end
 
   [[nodiscard]] int bands() const noexcept { return static_cast<int>(zonal.size()); }
 };
 
-/// Returns the factors of so many bands.
+/// Returns the lobe's factors for `bands` bands.
 [[nodiscard]] BandChoice tapered_lobe(double alpha, int bands);
 
 /// Returns the bands that wide lobes take for an image with dark parts.

@@ -155,7 +155,7 @@ void directional_albedo(const AlbedoRule& rule, float alpha, const float* normal
     Albedo sum{Lanes(0.0F), Lanes(0.0F)};
     for (int j = 0; j < rule.azimuths; ++j) {
       const Albedo part = along_azimuth(rule, view, alpha, rule.azimuth_cosines[j]);
-      // 1 / pi of the distribution, 2 halves of the azimuths, 4 V = 2 / (...)
+      // 1 / pi of the distribution, 2 for both halves of the azimuths, 4 V = 2 / (...)
       const Lanes weight(rule.azimuth_weights[j] * (4.0F / kPi));
       sum.whole = sum.whole + weight * part.whole;
       sum.fresnel = sum.fresnel + weight * part.fresnel;

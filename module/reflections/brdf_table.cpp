@@ -24,7 +24,7 @@ namespace welkin::reflections {
 namespace {
 
 struct Node {
-  double place;  ///< in (0, 1)
+  double position;  ///< in (0, 1)
   double weight;
 };
 
@@ -40,11 +40,11 @@ void for_each_node(int order, const Use& use) {
 AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   const auto side = [&](int order, double sign) {
     for_each_node(order, [&](const Node& node) {
-      // From 90 degrees on by a quarter turn times place^2, whose differential is pi place dplace. The cosine of that
+      // 90 degrees plus a quarter turn times x^2, x the position, whose differential is pi x dx. The cosine of that
       // azimuth is the sine of the angle from 90 degrees, with its digits near the edge.
       azimuth_cosines_.push_back(
-          static_cast<float>(sign * math::sine_cosine_of_turns(0.25 * node.place * node.place).sine));
-      azimuth_weights_.push_back(static_cast<float>(std::numbers::pi * node.place * node.weight));
+          static_cast<float>(sign * math::sine_cosine_of_turns(0.25 * node.position * node.position).sine));
+      azimuth_weights_.push_back(static_cast<float>(std::numbers::pi * node.position * node.weight));
     });
   };
   side(orders.towards, 1.0);
@@ -52,15 +52,15 @@ AlbedoQuadrature::AlbedoQuadrature(const AlbedoOrders& orders, Radii radii) {
   for_each_node(orders.radii, [&](const Node& node) {
     const bool even = radii == Radii::even;
     // y -> 1 - (1 - y)^2, dy -> 2 (1 - y) dy
-    const double left = 1.0 - node.place;
-    radius_places_.push_back(static_cast<float>(even ? node.place : 1.0 - left * left));
+    const double left = 1.0 - node.position;
+    radius_positions_.push_back(static_cast<float>(even ? node.position : 1.0 - left * left));
     radius_weights_.push_back(static_cast<float>(even ? node.weight : 2.0 * left * node.weight));
   });
 }
 
 AlbedoRule AlbedoQuadrature::rule() const noexcept {
-  return {static_cast<int>(azimuth_cosines_.size()), azimuth_cosines_.data(), azimuth_weights_.data(),
-          static_cast<int>(radius_places_.size()),   radius_places_.data(),   radius_weights_.data()};
+  return {static_cast<int>(azimuth_cosines_.size()),  azimuth_cosines_.data(),  azimuth_weights_.data(),
+          static_cast<int>(radius_positions_.size()), radius_positions_.data(), radius_weights_.data()};
 }
 
 AlbedoRules::AlbedoRules()
@@ -101,12 +101,12 @@ class ChebyshevPoints {
   ChebyshevPoints(int count, double from, double to) {
     for (int k = 0; k < count; ++k) {
       const math::SineCosine rotation = math::sine_cosine_of_turns((k + 0.5) / (2.0 * count));
-      places_.push_back(0.5 * (from + to) - 0.5 * (to - from) * rotation.cosine);
+      positions_.push_back(0.5 * (from + to) - 0.5 * (to - from) * rotation.cosine);
       weights_.push_back(k % 2 == 0 ? rotation.sine : -rotation.sine);
     }
   }
 
-  [[nodiscard]] const std::vector<double>& places() const noexcept { return places_; }
+  [[nodiscard]] const std::vector<double>& positions() const noexcept { return positions_; }
 
   /// Writes each point's share of the value at `position`: the second barycentric formula, shares w_k / (x - x_k) over
   /// their sum, with w_k = (-1)^k sin((2 k + 1) pi / (2 n)) for Chebyshev's points of the first kind, but for a factor
@@ -114,8 +114,8 @@ class ChebyshevPoints {
   void share(double position, float* shares, std::size_t stride) const noexcept {
     std::array<double, kMaxPoints> all{};
     double sum = 0.0;
-    for (std::size_t k = 0; k < places_.size(); ++k) {
-      const double from = position - places_[k];
+    for (std::size_t k = 0; k < positions_.size(); ++k) {
+      const double from = position - positions_[k];
       if (from == 0.0) {
         all = {};
         all[k] = sum = 1.0;
@@ -124,11 +124,11 @@ class ChebyshevPoints {
       all[k] = weights_[k] / from;
       sum += all[k];
     }
-    for (std::size_t k = 0; k < places_.size(); ++k) shares[k * stride] = static_cast<float>(all[k] / sum);
+    for (std::size_t k = 0; k < positions_.size(); ++k) shares[k * stride] = static_cast<float>(all[k] / sum);
   }
 
  private:
-  std::vector<double> places_;
+  std::vector<double> positions_;
   std::vector<double> weights_;  ///< barycentric
 };
 
@@ -144,7 +144,7 @@ struct Columns {
       return;
     }
     const ChebyshevPoints along(points, eighth_root(cosine(0)), eighth_root(cosine(width - 1)));
-    for (const double root : along.places()) {
+    for (const double root : along.positions()) {
       const double square = root * root;
       cosines.push_back(static_cast<float>((square * square) * (square * square)));
     }
@@ -168,7 +168,7 @@ struct Rows {
       return;
     }
     const ChebyshevPoints down(kRowPoints, at(begin), at(end - 1));
-    roughness = down.places();
+    roughness = down.positions();
     shares.resize(index_of(end - begin) * kRowPoints);
     for (int row = begin; row < end; ++row) down.share(at(row), shares.data() + index_of(row - begin) * kRowPoints, 1);
   }
@@ -270,7 +270,7 @@ std::shared_ptr<const BrdfTable> integrated_brdf(const BrdfTableOptions& options
   platform::AlignedBuffer<float> integrated(values);
   const auto placement = brdf_values(options) <= kSmall ? jobs::Placement::calling_thread : jobs::Placement::arena;
   const std::size_t workers = jobs::worker_count(placement);
-  const double integrating = 1.0 / (1.0 + options.height / 1000.0);  // share of the time
+  const double integrating = 1.0 / (1.0 + options.height / 1000.0);  // fraction of the time
   const Control first_part = jobs::part_of(control, 0.0, integrating);
   jobs::run_tiles(samples, placement, workers, first_part, [&](std::size_t sample, std::size_t /*worker*/) {
     const Rows* rows = bands.data();
@@ -319,7 +319,7 @@ std::shared_ptr<const BrdfTable> reflections::shared_brdf(const BrdfTableOptions
   check_brdf(options);
   made = true;
   jobs::throw_if_cancelled(control);
-  // What would not be kept is made without the cache, where whoever wants the same waits for it, deaf to its own stop.
+  // Tables too large to keep are made without the cache: a caller that waits there for the same one cannot be stopped.
   if (reflections::brdf_values(options) * sizeof(float) > kCacheBytes)
     return reflections::integrated_brdf(options, control);
   static auto& cache = *new math::TableCache<BrdfTableOptions, BrdfTable>(kCacheBytes);  // never destroyed

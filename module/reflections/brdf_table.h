@@ -53,11 +53,11 @@ class AlbedoQuadrature {
  private:
   std::vector<float> azimuth_cosines_;
   std::vector<float> azimuth_weights_;
-  std::vector<float> radius_places_;
+  std::vector<float> radius_positions_;
   std::vector<float> radius_weights_;
 };
 
-/// The rules with the fewest nodes that keep the error below 1e-5, by perceptual roughness. Measured: 6e-6, of tables
+/// The smallest rules that keep the error below 1e-5, by perceptual roughness. Measured: 6e-6, of tables
 /// that are interpolated too; for sheen, which exceeds 1 at grazing angles, of what is above 1.
 class AlbedoRules {
  public:
@@ -83,7 +83,7 @@ void check_brdf(const BrdfTableOptions& options);
 [[nodiscard]] std::shared_ptr<const BrdfTable> shared_brdf(const BrdfTableOptions& options, const Control& control,
                                                            bool& made);
 
-/// How many floats a table has.
+/// Returns how many floats a table has.
 [[nodiscard]] std::size_t brdf_values(const BrdfTableOptions& options) noexcept;
 
 /// A new table, whatever is cached; options must have been checked. As `brdf_table` otherwise.

@@ -25,7 +25,7 @@ constexpr int kSmallMip = 64;  ///< mips below that end with areas of `kPartEdge
 
 constexpr double kHorizon =
     0.1;  ///< of what the horizon cuts, times the square of a part's size: docs/maths/reflections.md
-constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and what the truth itself errs
+constexpr double kLost = 5e-6;      ///< of the lights' field, at least: float sums, and the reference's own error
 constexpr double kMerged = 1.5e-4;  ///< of merged lights at `kFar`, in the mean
 constexpr double kField = 1e-5;     ///< of lights that are interpolated, at `kFar`: falls with its fourth power too
 
@@ -38,10 +38,10 @@ constexpr double kOfMerged = 6e-3;      ///< times the fourth power
 constexpr double kOfField = 9e-3;       ///< times the fourth power
 constexpr double kTableHorizon = 3e-4;  ///< of what the horizon cuts
 constexpr double kAnnularHorizon = 2e-4;
-constexpr double kOfLean = 2e-3;  ///< of annular lobes: parts beside a pole are no parallelograms
+constexpr double kOfLean = 2e-3;  ///< of annular lobes: parts next to a pole are no parallelograms
 
-/// What `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for 1 / (1 +
-/// x^2)^2.
+/// Returns what `points` along an edge of `radians` lose of a smooth lobe, in the mean: fits to Gauss' error terms for
+/// 1 / (1 + x^2)^2.
 double smooth_error(double radians, double alpha, int points) {
   const double edge = radians / (2.0 * alpha);
   const double square = edge * edge;
@@ -105,7 +105,7 @@ double BrightLights::table_error(const Lobe& lobe, int size, double rms) const {
   const double seen = misses ? std::sqrt(field * std::min(field, rms)) : std::min(field, rms);
   const double shape = lobe.annular() && squares_ > 0.0 ? kOfLean * std::sqrt(leaning_ / squares_) : 0.0;
   const double merged = (kLost + shape + std::sqrt(node * node + block * block + smooth * smooth)) * seen;
-  // A light errs by its size times the slope, on a share of the sphere that is as wide. One does not know of another.
+  // A light errs by its size times the slope, on a fraction of the sphere that is as wide. Errors are independent.
   const double slope = lobe.horizon_slope() + (lobe.hemisphere() ? std::abs(lobe.value(1e-6)) / edge_ : 0.0);
   const double horizon = (lobe.annular() ? kAnnularHorizon : kTableHorizon) * slope * std::sqrt(cut_square_);
   // Elsewhere a break lies between a texel's points.
@@ -269,8 +269,8 @@ void add_run(const LobeRun& run, std::vector<LobeRun>& runs) {
 
 }  // namespace
 
-/// What a worker needs for one area. Nothing is allocated inside tiles: nodes in a list have no leaf in common, so that
-/// there is room for one of each leaf.
+/// A worker's scratch for one area. Nothing is allocated inside tiles: nodes in a list have no leaf in common, so that
+/// one element per leaf suffices.
 struct BrightLights::Scratch {
   explicit Scratch(std::size_t leaves) {
     stack.reserve(leaves);
@@ -297,7 +297,7 @@ std::size_t BrightLights::most_bytes(std::size_t texels, const ImageShape& shape
   return tree_bytes(texels, leaves, shape, lobes) + workers * Scratch::bytes(leaves);
 }
 
-/// As many rooms as there are workers, for all mips together: a tile takes one while it runs.
+/// As many scratches as there are workers, for all mips together: a tile takes one while it runs.
 class BrightLights::ScratchPool {
  public:
   ScratchPool(std::size_t workers, std::size_t leaves) : leaves_(leaves) {
@@ -354,7 +354,7 @@ void BrightLights::choose(const Block& block, Step step, Scratch& scratch) const
   }
 }
 
-/// Adds the lights of `scratch`'s runs at its first `count` places, a multiple of `kLobeTexels`, to its sums, and
+/// Adds the lights of `scratch`'s runs at its first `count` points, a multiple of `kLobeTexels`, to its sums, and
 /// forgets them.
 void BrightLights::sum_runs(int face, int count, const Blur& lobe, Scratch& scratch) const {
   const image::Frame& frame = image::face_frame(face);
@@ -401,15 +401,15 @@ void BrightLights::add_to_texels(const FaceArea& area, const Blur& lobe, const L
   std::fill_n(scratch.sums.begin(), 3 * count, 0.0F);
   if (!field.dark()) field.write(area, count, scratch.sums.data());
   if (!scratch.runs.empty() || !scratch.parts.empty()) {
-    auto place = std::size_t{0};
+    auto index = std::size_t{0};
     for (int row = area.row; row < area.end_row; ++row) {
-      for (int column = area.column; column < area.end_column; ++column, ++place) {
-        scratch.u[place] = static_cast<float>(place_on_face(column, area.size));
-        scratch.v[place] = static_cast<float>(place_on_face(row, area.size));
+      for (int column = area.column; column < area.end_column; ++column, ++index) {
+        scratch.u[index] = static_cast<float>(place_on_face(column, area.size));
+        scratch.v[index] = static_cast<float>(place_on_face(row, area.size));
       }
     }
-    std::fill(scratch.u.begin() + texels, scratch.u.begin() + count, scratch.u[place - 1]);
-    std::fill(scratch.v.begin() + texels, scratch.v.begin() + count, scratch.v[place - 1]);
+    std::fill(scratch.u.begin() + texels, scratch.u.begin() + count, scratch.u[index - 1]);
+    std::fill(scratch.v.begin() + texels, scratch.v.begin() + count, scratch.v[index - 1]);
     sum_runs(area.face, count, lobe, scratch);
   }
   const float* sums = scratch.sums.data();

@@ -33,7 +33,7 @@ struct ImageShape {
   }
 };
 
-/// What blurs lights.
+/// The lobe that blurs lights.
 struct LightsLobe {
   const Lobe& lobe;
   double far_end = 0.0;  ///< above 0: only GGX's far part, which this is the end of: see `kFarPart`
@@ -60,9 +60,9 @@ struct LightLobes {
   [[nodiscard]] double narrowest() const noexcept { return std::min(least_alpha, 4.0 / 3.0 * least_annular); }
 };
 
-/// A tree over the texels. Each node has lights that give the same through a lobe wherever the node looks small beside
-/// its distance and the lobe's width: points of a Gauss rule on the part of the image that it covers, which take over
-/// a light at any place by the rule's interpolation (so that every moment below the rule's order stays, in each
+/// A tree over the texels. Each node has lights that give the same through a lobe wherever the node is small relative
+/// to its distance and the lobe's width: points of a Gauss rule on the part of the image that it covers, which take
+/// over a light at any position by the rule's interpolation (so that every moment below the rule's order stays, in each
 /// channel). A leaf is a texel, with Gauss points that stand for its area in a smooth lobe, and parts of it for where
 /// the horizon cuts it; large texels, of which a parallelogram is no part, are integrated there.
 class BrightLights {
@@ -73,8 +73,8 @@ class BrightLights {
 
   [[nodiscard]] bool empty() const noexcept { return nodes_.empty(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// What they take at most, made of up to so many texels by those arguments: the tree while it is made, and what each
-  /// of `workers` needs.
+  /// Returns the maximum bytes for up to so many texels with those arguments: of the tree while it is made, and of the
+  /// scratch of `workers`.
   [[nodiscard]] static std::size_t most_bytes(std::size_t texels, const ImageShape& shape, const LightLobes& lobes,
                                               std::size_t workers) noexcept;
 
@@ -106,15 +106,14 @@ class BrightLights {
   struct Block;
   struct Blur;
 
-  /// What becomes of nodes over an area: they are taken at the points of a field, at its texels, or there with what the
-  /// horizon cuts.
+  /// How nodes over an area are summed: at the points of a field, at its texels, or there with what the horizon cuts.
   enum class Step { field, texels, parts };
 
   struct Scratch;
   class ScratchPool;
 
-  /// Of the tree over so many texels, or fewer of which more parts are made: its leaves; and its bytes while it is
-  /// made.
+  /// Returns the maximum leaves of the tree over so many texels, or over fewer of which more parts are made; and its
+  /// bytes while it is made.
   [[nodiscard]] static std::size_t most_leaves(std::size_t texels, const ImageShape& shape,
                                                const LightLobes& lobes) noexcept;
   [[nodiscard]] static std::size_t tree_bytes(std::size_t texels, std::size_t leaves, const ImageShape& shape,
@@ -136,8 +135,8 @@ class BrightLights {
   [[nodiscard]] double ggx_error(double alpha, int size, double rms) const;
   [[nodiscard]] double table_error(const Lobe& lobe, int size, double rms) const;
 
-  /// What a node's distance (and the lobe's width, see `Block::far_enough`) must be over its radius for its rule to do
-  /// at the default bounds. The error falls with its fourth power.
+  /// The minimum ratio of a node's distance (and the lobe's width, see `Block::far_enough`) to its radius at which its
+  /// rule suffices at the default bounds. The error falls with its fourth power.
   static constexpr double kFar = 3.0;
 
   std::shared_ptr<ScratchPool> scratches_;

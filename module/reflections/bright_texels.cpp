@@ -33,7 +33,7 @@ constexpr double kMinPeak = 4.0;
 constexpr double kPart = 0.25;
 
 /// Lights of up to a third of the sphere are compared with the mean of the rest if they make the whole mean this much
-/// brighter. Beside a darker rest no float is right to a percent.
+/// brighter. Next to a darker rest no float is right to a percent.
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;
@@ -104,22 +104,22 @@ class Search {
     for (int row = first_row(band); row < end_row(band); ++row) {
       for (int column = 0; column < source_.columns(); ++column) {
         Cell& cell = cells[first + cell_of(band, column)];
-        const double own = light(row, column);
-        cell.darkest = std::min(own, cell.darkest);
-        cell.blurred += own * angle_of(row, column) * scale_;
+        const double value = light(row, column);
+        cell.darkest = std::min(value, cell.darkest);
+        cell.blurred += value * angle_of(row, column) * scale_;
       }
     }
   }
 
   /// Adds the band's bright texels, not parted yet: their light, and that of the darkest texel of the cell.
-  /// Whether one of them is in a bright cell.
+  /// Returns whether one of them is in a bright cell.
   bool collect(int band, std::span<const Cell> cells, std::vector<BrightTexel>& found) const {
     bool bright = false;
     for (int row = first_row(band); row < end_row(band); ++row) {
       if (!(static_cast<double>(source_.range(row).largest) > threshold_)) continue;
       for (int column = 0; column < source_.columns(); ++column) {
-        const double own = light(row, column);
-        if (!(own > threshold_)) continue;
+        const double value = light(row, column);
+        if (!(value > threshold_)) continue;
         const Cell& cell = cells[starts_[static_cast<std::size_t>(band)] + cell_of(band, column)];
         bright = bright || cell.blurred > kOfCell * threshold_;
         BrightTexel texel{row, column, {}, {}, angle_of(row, column)};
@@ -133,7 +133,7 @@ class Search {
   }
 
   /// Parts the found texels' light in what is left, as bright as the darkest texel of the cell and no brighter than the
-  /// mean of all that is not found, and the rest, which is taken out.
+  /// mean of all that is not found, and the rest, which is extracted.
   void part(std::vector<BrightTexel>& found) const {
     double taken = 0.0;
     for (const BrightTexel& texel : found) {
@@ -142,8 +142,8 @@ class Search {
     const double mean = source_.cubemap() && dark_ < mean_ ? mean_of_faces() : mean_;
     const double mean_of_others = std::max(0.0, mean - taken / (4.0 * kPi));
     for (BrightTexel& texel : found) {
-      const double own = light(texel.row, texel.column);
-      const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / own);
+      const double whole = light(texel.row, texel.column);
+      const auto factor = static_cast<float>(std::min(static_cast<double>(texel.rest[0]), mean_of_others) / whole);
       for (std::size_t c = 0; c < 3; ++c) {
         const float value = texel.excess[c];
         texel.rest[c] = value > 0.0F ? value * factor : value;
@@ -191,10 +191,10 @@ class Search {
     std::array<Texels, kExponents> by_exponent{};
     double whole = 0.0;
     look_around([&](int row, int column) {
-      const double own = light(row, column);
-      Texels& of = by_exponent[(platform::bit_cast<std::uint32_t>(static_cast<float>(own)) >> 23U) & 0xFFU];
+      const double value = light(row, column);
+      Texels& of = by_exponent[(platform::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 23U) & 0xFFU];
       of.steradians += angle_of(row, column);
-      of.light += own * angle_of(row, column);
+      of.light += value * angle_of(row, column);
       whole += angle_of(row, column);
     });
     // from the darkest on; of the exponent that two thirds end in, which spans a factor of 2, a share as bright as all
@@ -276,7 +276,7 @@ BrightSearch search_for_bright_texels(bool cubemap, int columns, int rows, doubl
   const int across = std::clamp(static_cast<int>((cubemap ? 0.5 : 2.0) * kPi / (2.0 * alpha)), 1, columns);
   const auto product = [](int a, int b) { return static_cast<std::size_t>(a) * static_cast<std::size_t>(b); };
   const std::size_t found = product(rows, columns) / static_cast<std::size_t>(kPeak) + 1;
-  // a list that grows is there twice for a moment, once with room for double
+  // A list that grows is there twice for a moment, once with twice the capacity.
   return {std::min(found, most),
           product(cubemap ? (columns + 1) / 2 : rows, cubemap ? (columns + 1) / 2 : 1) * sizeof(double) +
               product(bands, across) * sizeof(Cell) + 3 * found * sizeof(BrightTexel)};

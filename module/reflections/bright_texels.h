@@ -15,15 +15,15 @@ struct BrightTexel {
   int row = 0;  ///< of a cubemap counted face after face
   int column = 0;
   std::array<float, 3> rest{};    ///< what is left in the image
-  std::array<float, 3> excess{};  ///< radiance that is taken out
+  std::array<float, 3> excess{};  ///< radiance that is extracted
   double steradians = 0.0;
 
-  /// Returns radiance times steradians of what is taken out.
+  /// Returns radiance times steradians of what is extracted.
   [[nodiscard]] glm::dvec3 light() const noexcept { return steradians * glm::dvec3(excess[0], excess[1], excess[2]); }
 };
 
 /// Texels that are, or are part of, light so bright that float harmonics, and harmonics that end, would lose what is
-/// dark beside it: at most `most`, the brightest. `alpha` is the narrowest lobe's. By row and column. Throws
+/// dark next to it: at most `most`, the brightest. `alpha` is the narrowest lobe's. By row and column. Throws
 /// `Error` (cancelled).
 [[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha,
                                                           std::size_t most, const Control& control);

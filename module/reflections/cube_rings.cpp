@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kCacheBytes = std::size_t{192} << 20U;
 
 /// About a table's weights: each texel of a sixteenth reaches the rings that it covers and those next to them. A face
-/// is a quarter of a turn high, rows / 2 rings, and a ring's texels are as wide as it is high.
+/// is 90 degrees high, rows / 2 rings, and a ring's texels are as wide as it is high.
 double about_taps(const RingTableKey& key) noexcept {
   const double rings = 0.5 * key.rows / key.face_size;
   return 6.0 / kRingImages * key.face_size * key.face_size * (kSpread + rings) * (kSpread + rings);
@@ -26,7 +26,7 @@ double about_taps(const RingTableKey& key) noexcept {
 ///
 /// With G_k the symmetries, a texel t's record has L(G_k t). A texel whose window reaches into another sixteenth is
 /// seen there by its own image t' = G_i^-1 t, whose record has L(G_k t') = L(G_k G_i^-1 t), an entry of t's own
-/// record. The point (1, 2, 4) is moved to a different place by each of them, so it tells which G_k G_i^-1 is.
+/// record. The point (1, 2, 4) is moved to a different position by each, so it identifies G_k G_i^-1.
 std::array<std::array<std::size_t, kRingImages>, kRingImages> composed_images() {
   const glm::ivec3 point{1, 2, 4};
   std::array<std::array<std::size_t, kRingImages>, kRingImages> composed{};
@@ -104,11 +104,11 @@ void RingTable::gather(const std::vector<const float*>& faces, const RingWeights
   const int size = key_.face_size;
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
-    const auto place = [&](int column) {
+    const auto source_texel = [&](int column) {
       return image::texel_at(size, moved(image, row.first + glm::ivec3(2 * column, 0, 0)));
     };
-    const image::CubeTexel from = place(0);
-    const image::CubeTexel next = place(row.count > 1 ? 1 : 0);
+    const image::CubeTexel from = source_texel(0);
+    const image::CubeTexel next = source_texel(row.count > 1 ? 1 : 0);
     const RecordCopy copy{faces.data(), from.face * size + from.row, next.row - from.row,
                           from.column,  next.column - from.column,   row.count,
                           size};
@@ -118,16 +118,16 @@ void RingTable::gather(const std::vector<const float*>& faces, const RingWeights
 
 void RingTable::sum(const RingRun& run, int ring, float* rgb) const {
   const int columns = 2 * key_.rows;
-  RingLayout places{};
+  RingLayout layout{};
   for (int k = 0; k < kRingImages; ++k) {
     const image::CubeImage image = image::cube_image_of(k);
     const std::ptrdiff_t line = image.below ? key_.rows - 1 - ring : ring;
     // the first of the sixteenth's columns in the image: mirrored ones go back from the line where it begins
     const int column = (image.quarter * (columns / 4) + (image.mirrored ? columns - 1 : 0)) % columns;
-    places.to[k] = rgb + 3 * (line * columns + column);
-    places.step[k] = image.mirrored ? -3 : 3;
+    layout.to[k] = rgb + 3 * (line * columns + column);
+    layout.step[k] = image.mirrored ? -3 : 3;
   }
-  ring_kernels().sum_ring_taps(run, places);
+  ring_kernels().sum_ring_taps(run, layout);
 }
 
 void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const Control& control) const {
@@ -154,11 +154,11 @@ void RingTable::fill(const std::vector<const float*>& faces, float* rgb, const C
         const int band = static_cast<int>(tile) / parts;
         const int part = static_cast<int>(tile) % parts;
         const Band made = bands_.empty() ? weigh(band) : Band();
-        const Band& own = bands_.empty() ? made : bands_[static_cast<std::size_t>(band)];
+        const Band& used = bands_.empty() ? made : bands_[static_cast<std::size_t>(band)];
         const int first = weights_.first_ring(band);
         const int rings = weights_.first_ring(band + 1) - first;
         for (int k = rings * part / parts; k < rings * (part + 1) / parts; ++k)
-          sum({records.data(), own.taps.data(), own.ends.data() + std::ptrdiff_t{width} * k, width}, first + k, rgb);
+          sum({records.data(), used.taps.data(), used.ends.data() + std::ptrdiff_t{width} * k, width}, first + k, rgb);
       });
 }
 

@@ -28,8 +28,8 @@ struct RingTableKey {
 /// A lat-long of 2 rows x rows texels whose harmonics, its texels taken as areas, are those of a cubemap's texels taken
 /// as areas. The light of each point of a texel goes to `kSpread` columns of `kSpread` rings, in such shares that the
 /// moments below `kSpread` - 1 along both are those of the point. So what a function that is smooth over a few rings
-/// makes of the lat-long is what it makes of the cubemap: degree l is right to some 0.02 (l pi / rows)^4, and so a lobe
-/// needs no more rings than it is wide, however many texels the cube has. Values of single texels of the lat-long mean
+/// makes of the lat-long is what it makes of the cubemap: degree l is right to about 0.02 (l pi / rows)^4, and so a
+/// lobe needs no more rings than it is wide, however many texels the cube has. Values of single texels mean
 /// nothing; they may be below 0.
 ///
 /// Sixteen mirror images and quarter turns have the same weights, so a sixteenth's are kept. Weights of faces so large
@@ -38,10 +38,10 @@ class RingTable {
  public:
   static constexpr std::size_t kLargestTable = std::size_t{112} << 20U;
 
-  /// From a bounded cache. Throws `Error` (cancelled) while it makes one.
+  /// Returns a table from a bounded cache. Throws `Error` (cancelled) while it makes one.
   static std::shared_ptr<const RingTable> get(const RingTableKey& key, const Control& control = {});
 
-  /// By all threads. Keeps no weights if they would take more than `largest` bytes. Throws `Error` (cancelled).
+  /// Makes a table on all threads. Keeps no weights of more than `largest` bytes. Throws `Error` (cancelled).
   explicit RingTable(const RingTableKey& key, const Control& control = {}, std::size_t largest = kLargestTable);
 
   /// Writes 2 rows x rows texels. `faces`: rows of packed RGB, face after face. The same bits on any number of threads.
@@ -70,7 +70,7 @@ class RingTable {
   std::vector<Band> bands_;  ///< none: `fill` makes them again
 };
 
-/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels taken out.
+/// The environment as the transform reads it: a lat-long of sanitized pixels, its bright texels extracted.
 struct Rings {
   transforms::ImageRows view;
   platform::AlignedBuffer<float> owned{};  ///< holds the rows where the caller's own would not do

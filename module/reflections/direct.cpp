@@ -1,4 +1,4 @@
-// The truth at chosen directions.
+// The reference: the prefilter's integral at chosen directions.
 #include "reflections/direct.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ class CubicTable {
  public:
   /// Empty if it would have too many cells.
   explicit CubicTable(const Lobe& lobe) {
-    // The cubic through four places a third of a cell w apart errs by w^4 / (24 81) of the fourth derivative at most.
+    // The cubic through four points a third of a cell w apart errs by w^4 / (24 81) of the fourth derivative at most.
     // A bell's is 3 / d^4 and its scale 1.65 d: 3 1.65^4 / (64^4 24 81) = 7e-10 of the peak.
     constexpr double kCellsOfScale = 64.0;  // error 1e-9 of the peak, which may lie far above the mean
     constexpr double kMaxCells = 1 << 16;

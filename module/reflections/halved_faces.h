@@ -1,4 +1,4 @@
-// Faces of a cubemap with half as many texels along an edge and, to lobes that are wide beside them, the same light.
+// Faces of a cubemap with half as many texels along an edge and, to lobes that are much wider, the same light.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace welkin::reflections {
 /// Returns faces halved until they have `size` texels along an edge: theirs divided by a power of two, at least 8
 /// unless it is theirs. Each texel's light goes to 4 x 4 of its own face (3 at an edge) with its moments up to the
 /// third (the second), so degree l loses a share that is proportional to (l h)^4, h the new texel's size. Uniform light
-/// stays uniform. Results can be negative beside bright texels. The same bits on any number of threads and instruction
+/// stays uniform. Results can be negative next to bright texels. The same bits on any number of threads and instruction
 /// set. Throws `Error` (cancelled).
 [[nodiscard]] SourceRows halved_faces(SourceRows faces, int size, const Control& control);
 

@@ -46,11 +46,11 @@ double edges_of_lat_long(const projection::SanitizedSource& source) {
   for (int row = 0; row < source.rows(); ++row) {
     const bool last = row + 1 == source.rows();
     const float* const here = source.row(row);
-    const Steps own = steps_of(here, last ? here : source.row(row + 1),
-                               here + std::ptrdiff_t{3} * (source.columns() - 1), source.columns());
+    const Steps steps = steps_of(here, last ? here : source.row(row + 1),
+                                 here + std::ptrdiff_t{3} * (source.columns() - 1), source.columns());
     const double middle = math::sine_cosine_of_turns(0.5 * (row + 0.5) / source.rows()).sine;
     const double end = math::sine_cosine_of_turns(0.5 * (row + 1.0) / source.rows()).sine;
-    edges += columns_a_radian * own.across + rows_a_radian * end * own.down;
+    edges += columns_a_radian * steps.across + rows_a_radian * end * steps.down;
     whole += middle * source.columns();
   }
   return std::sqrt(edges / whole);
@@ -63,8 +63,8 @@ double contrast_of_faces(const std::vector<const float*>& rows, int columns) {
   Steps all;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const bool face_ends = (row + 1) % static_cast<std::size_t>(columns) == 0;
-    const Steps own = steps_of(rows[row], face_ends ? rows[row] : rows[row + 1], rows[row], columns);
-    all = {all.across + own.across, all.down + own.down};
+    const Steps steps = steps_of(rows[row], face_ends ? rows[row] : rows[row + 1], rows[row], columns);
+    all = {all.across + steps.across, all.down + steps.down};
   }
   return std::sqrt((all.across + all.down) / (static_cast<double>(rows.size()) * columns));
 }
@@ -85,9 +85,9 @@ double rms_of_level(const Cubemap& chain, int level, int samples) {
   std::vector<float> texels(steradians.size());
   for (int row = step / 2; row < size; row += step) {
     for (std::size_t k = 0; k < seen; ++k) {
-      const double own = angles->at(row, step / 2 + static_cast<int>(k) * step);
-      std::fill_n(&steradians[3 * k], 3, own);
-      whole += 6.0 * own;
+      const double angle = angles->at(row, step / 2 + static_cast<int>(k) * step);
+      std::fill_n(&steradians[3 * k], 3, angle);
+      whole += 6.0 * angle;
     }
     for (int face = 0; face < 6; ++face) {
       const float* rgb = chain.face(level, face) + std::ptrdiff_t{3} * (size * row + step / 2);
@@ -112,15 +112,15 @@ double least_of(const Cubemap& chain, int level, const Control& control) {
   const int size = chain.level_size(level);
   const std::ptrdiff_t values = std::ptrdiff_t{18} * size * size;
   const float* const first = chain.face(level, 0);
-  std::vector<float> least(static_cast<std::size_t>((values + kTileValues - 1) / kTileValues));
-  const auto placement = least.size() < 4 ? jobs::Placement::calling_thread : jobs::Placement::arena;
-  jobs::run_tiles(least.size(), placement, jobs::worker_count(placement), {control.stop, {}},
+  std::vector<float> minima(static_cast<std::size_t>((values + kTileValues - 1) / kTileValues));
+  const auto placement = minima.size() < 4 ? jobs::Placement::calling_thread : jobs::Placement::arena;
+  jobs::run_tiles(minima.size(), placement, jobs::worker_count(placement), {control.stop, {}},
                   [&](std::size_t tile, std::size_t) {
                     const std::ptrdiff_t begin = static_cast<std::ptrdiff_t>(tile) * kTileValues;
                     const auto count = static_cast<int>(std::min(values - begin, kTileValues));
-                    least[tile] = projection::projection_kernels().measure_row(first + begin, count).least;
+                    minima[tile] = projection::projection_kernels().measure_row(first + begin, count).least;
                   });
-  return static_cast<double>(*std::min_element(least.begin(), least.end()));
+  return static_cast<double>(*std::min_element(minima.begin(), minima.end()));
 }
 
 }  // namespace welkin::reflections

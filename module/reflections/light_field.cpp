@@ -14,7 +14,7 @@ struct Span {
   Span(int first, int end, int size)
       : middle(place_on_face(0.5 * (first + end - 1), size)), half(static_cast<double>(end - first - 1) / size) {}
 
-  /// Sets each point's share of the value at a place: Lagrange's polynomials of the nodes -kFar, -kNear, kNear and
+  /// Sets each point's share of the value at a point t: Lagrange's polynomials of the nodes -kFar, -kNear, kNear and
   /// kFar. That of -kFar is (t^2 - kNear^2) (t - kFar) over (kFar^2 - kNear^2) (-2 kFar), that of -kNear is (t^2 -
   /// kFar^2) (t - kNear) over (kNear^2 - kFar^2) (-2 kNear); the others are their mirror images. Chebyshev's points,
   /// the roots of T_4, keep the largest of (t - x_0) ... (t - x_3) to 2^-3 over the whole span: the cubic's error is
@@ -42,17 +42,17 @@ double LightField::point(int first, int end, int size, std::size_t k) noexcept {
   return span.middle + span.half * kNodes[k];
 }
 
-/// At the products of places along both axes, to[channel][row][column].
-template <std::size_t Places>
-void LightField::interpolate(const Shares<Places>& down, const Shares<Places>& across, float* to) const {
+/// Interpolates at the products of positions along both axes, to[channel][row][column].
+template <std::size_t Points>
+void LightField::interpolate(const Shares<Points>& down, const Shares<Points>& across, float* to) const {
   for (std::size_t c = 0; c < 3; ++c) {
     const float* const from = values_.data() + c * kPoints;
-    for (std::size_t row = 0; row < Places; ++row, to += Places) {
+    for (std::size_t row = 0; row < Points; ++row, to += Points) {
       std::array<float, kEdge> line{};
       for (std::size_t j = 0; j < kEdge; ++j) {
         for (std::size_t i = 0; i < kEdge; ++i) line[i] += down[j][row] * from[j * kEdge + i];
       }
-      for (std::size_t k = 0; k < Places; ++k)
+      for (std::size_t k = 0; k < Points; ++k)
         to[k] = (line[0] * across[0][k] + line[1] * across[1][k]) + (line[2] * across[2][k] + line[3] * across[3][k]);
     }
   }

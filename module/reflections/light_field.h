@@ -39,7 +39,7 @@ class LightField {
   static constexpr int kMaxEdge = 8;    ///< texels of an area that `write` takes
   static constexpr int kMaxWidth = 64;  ///< columns of an area that `add_to` takes
 
-  /// Where point k is, along one axis, of an area's texels [first, end).
+  /// Returns where point k is, along one axis, of an area's texels [first, end).
   [[nodiscard]] static double point(int first, int end, int size, std::size_t k) noexcept;
 
   [[nodiscard]] bool dark() const noexcept { return dark_; }
@@ -49,7 +49,7 @@ class LightField {
     return values_;
   }
 
-  /// The same field at the points of a part of its area.
+  /// Returns this field at the points of a part of its area.
   [[nodiscard]] LightField within(const FaceArea& area, const FaceArea& part) const;
 
   /// Writes its values at the centres of the area's texels, row by row, to sums[3][count].
@@ -59,11 +59,11 @@ class LightField {
   void add_to(const FaceArea& area, float scale, float* rgb) const;
 
  private:
-  template <std::size_t Places>
-  using Shares = std::array<std::array<float, Places>, kEdge>;
+  template <std::size_t Points>
+  using Shares = std::array<std::array<float, Points>, kEdge>;
 
-  template <std::size_t Places>
-  void interpolate(const Shares<Places>& down, const Shares<Places>& across, float* to) const;
+  template <std::size_t Points>
+  void interpolate(const Shares<Points>& down, const Shares<Points>& across, float* to) const;
 
   std::array<float, 3 * kPoints> values_{};
   bool dark_ = true;

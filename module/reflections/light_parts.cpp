@@ -110,9 +110,9 @@ void centre(Directions& directions, const Sample& middle, double half, CutLight&
   for (int j = 0; j < 2; ++j) {
     const double row = middle.row + (j == 0 ? -node : node);
     for (const double across : {-node, node}) {
-      const double own = directions.density_at(middle.column + across, row);
-      sum += own * directions.at(middle.face, middle.column + across, row);
-      density[j] += own;
+      const double weight = directions.density_at(middle.column + across, row);
+      sum += weight * directions.at(middle.face, middle.column + across, row);
+      density[j] += weight;
     }
   }
   const glm::dvec3 centroid = glm::normalize(sum);

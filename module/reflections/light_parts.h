@@ -1,4 +1,4 @@
-// Texels as lights: their places, points that stand for them and parts that the horizon cuts.
+// Texels as lights: their positions, points that stand for them and parts that the horizon cuts.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace welkin::reflections {
 
-/// Places of an image. A tree asks for the same rows and columns again and again: sines of the latest ones are kept.
+/// Directions of an image's points. A tree needs the same rows and columns repeatedly: sines of the latest are kept.
 class Directions {
  public:
   explicit Directions(const ImageShape& shape) : shape_(shape), kept_(shape.cubemap ? 0 : kKept) {}
@@ -54,7 +54,7 @@ class Directions {
   std::vector<Kept> kept_;
 };
 
-/// Light at a place of the image.
+/// Light at a position of the image.
 struct Sample {
   int face = 0;
   double column = 0.0;

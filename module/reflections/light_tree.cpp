@@ -45,7 +45,7 @@ bool is_coarse(const ImageShape& shape, LightsOf of) {
   return of == LightsOf::ggx && edge_of(shape) > kMaxCut;
 }
 
-/// Into how many parts along an edge large texels are cut first, so that each is small beside the lobe and the sphere.
+/// Returns the parts along an edge that large texels are cut into, each small relative to the lobe and the sphere.
 int cuts_of(const ImageShape& shape, const LightLobes& lobes, std::size_t texels) {
   constexpr double kOfWidth = 0.3;
   constexpr double kOfSphere = 0.05;
@@ -90,15 +90,15 @@ class LightTree {
   /// Points of a leaf, and its share of those of nodes: at most one node has merged points for each leaf, or, where
   /// four leaves' own are no more than those, for every second one.
   [[nodiscard]] static constexpr std::size_t points_of_leaf(int smooth) noexcept {
-    const int own = smooth * smooth;
-    return static_cast<std::size_t>(own + kOrder * kOrder / (4 * own <= kOrder * kOrder ? 2 : 1));
+    const int points = smooth * smooth;
+    return static_cast<std::size_t>(points + kOrder * kOrder / (4 * points <= kOrder * kOrder ? 2 : 1));
   }
   [[nodiscard]] static constexpr std::size_t bytes_of_leaf(int smooth) noexcept {
     return 2 * sizeof(BrightLights::Node) + sizeof(LightPoint) +
            points_of_leaf(smooth) * (sizeof(Sample) + sizeof(LobeLight));
   }
 
-  /// Of texels that are cut already. `exact`: keeps rectangles of them and no parts.
+  /// Builds the tree of texels that are cut already. `exact`: keeps rectangles of them and no parts.
   /// `most_cut_radius`: of a node that is one cut light.
   LightTree(const std::vector<BrightTexel>& texels, const ImageShape& shape, const LightLobes& lobes, double reach,
             bool exact, double most_cut_radius, BrightLights& lights)
@@ -113,16 +113,16 @@ class LightTree {
     lights.edge_ = widest_edge_of(shape, lobes.of);
     lights.smooth_points_ = smooth_;
     parts_ = exact ? 0 : parts_along(edge, texels.size(), lobes);
-    places_.reserve(texels.size());
+    points_.reserve(texels.size());
     for (const BrightTexel& texel : texels) {
       const Corner corner = corner_of(texel);
-      places_.push_back({&texel, directions_.at(corner.face, corner.column + 0.5, corner.row + 0.5)});
+      points_.push_back({&texel, directions_.at(corner.face, corner.column + 0.5, corner.row + 0.5)});
     }
     lights_.nodes_.reserve(2 * texels.size());
     samples_.reserve(texels.size() * points_of_leaf(smooth_));
     lights_.cut_lights_.reserve(texels.size() * static_cast<std::size_t>(parts_ * parts_ + 1));
     lights_.nodes_.emplace_back();
-    build(0, 0, places_.size(), false);
+    build(0, 0, points_.size(), false);
     lights_.lights_.reserve(samples_.size());
     for (const Sample& sample : samples_) lights_.lights_.push_back(light_of(directions_, sample));
   }
@@ -137,7 +137,7 @@ class LightTree {
     int column;
     int row;
   };
-  /// Of rows and columns, the last ones outside.
+  /// A range of rows and columns, the last ones outside.
   struct Box {
     Corner first;
     Corner end;
@@ -149,10 +149,10 @@ class LightTree {
   }
 
   [[nodiscard]] Box box_of(std::size_t first, std::size_t end) const {
-    Box box{corner_of(*places_[first].texel), {}};
+    Box box{corner_of(*points_[first].texel), {}};
     box.end = box.first;
     for (std::size_t k = first; k < end; ++k) {
-      const Corner corner = corner_of(*places_[k].texel);
+      const Corner corner = corner_of(*points_[k].texel);
       box.first = {std::min(box.first.face, corner.face), std::min(box.first.column, corner.column),
                    std::min(box.first.row, corner.row)};
       box.end = {std::max(box.end.face, corner.face + 1), std::max(box.end.column, corner.column + 1),
@@ -163,25 +163,25 @@ class LightTree {
 
   void bound(BrightLights::Node& node, std::size_t first, std::size_t end) const {
     glm::dvec3 centre(0.0);
-    for (std::size_t k = first; k < end; ++k) centre += places_[k].direction;
+    for (std::size_t k = first; k < end; ++k) centre += points_[k].direction;
     centre /= static_cast<double>(end - first);
     double radius = 0.0;
     double texel = 0.0;
     for (std::size_t k = first; k < end; ++k) {
-      radius = std::max(radius, glm::length(places_[k].direction - centre));
-      if (k == first || places_[k].texel->row != places_[k - 1].texel->row)
-        texel = std::max(texel, radius_of(places_[k].direction, box_of(k, k + 1)));
+      radius = std::max(radius, glm::length(points_[k].direction - centre));
+      if (k == first || points_[k].texel->row != points_[k - 1].texel->row)
+        texel = std::max(texel, radius_of(points_[k].direction, box_of(k, k + 1)));
     }
     node.centre = centre;
     node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
   }
 
   [[nodiscard]] std::size_t parted(const Box& box, std::size_t first, std::size_t end) {
-    const auto begin = places_.begin();
+    const auto begin = points_.begin();
     const auto part = [&](auto before) {
       const auto middle =
           std::stable_partition(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(end),
-                                [&](const LightPoint& place) { return before(corner_of(*place.texel)); });
+                                [&](const LightPoint& point) { return before(corner_of(*point.texel)); });
       return static_cast<std::size_t>(middle - begin);
     };
     if (box.end.face - box.first.face > 1) {
@@ -219,7 +219,7 @@ class LightTree {
   Moments build(std::size_t index, std::size_t first, std::size_t end, bool within) {
     bound(lights_.nodes_[index], first, end);
     if (end - first == 1) {
-      const BrightTexel& texel = *places_[first].texel;
+      const BrightTexel& texel = *points_[first].texel;
       const auto smooth = static_cast<int>(samples_.size());
       add_points(texel, directions_, smooth_, samples_);
       lights_.nodes_[index].smooth = {smooth, static_cast<int>(samples_.size()) - smooth};
@@ -246,23 +246,23 @@ class LightTree {
     return moments;
   }
 
-  /// Whether the texels are small together and each has all but the same colour and brightness.
+  /// Returns whether the texels are small together and each has all but the same colour and brightness.
   [[nodiscard]] bool can_be_one_cut(const BrightLights::Node& node, std::size_t first, std::size_t end) const {
     constexpr float kEven = 4.0F;
     if (parts_ == 0 || end - first < kMinCutTexels || node.radius > most_cut_radius_) return false;
     for (std::size_t c = 0; c < 3; ++c) {
-      float least = places_[first].texel->excess[c];
+      float least = points_[first].texel->excess[c];
       float most = least;
       for (std::size_t k = first; k < end; ++k) {
-        least = std::min(least, places_[k].texel->excess[c]);
-        most = std::max(most, places_[k].texel->excess[c]);
+        least = std::min(least, points_[k].texel->excess[c]);
+        most = std::max(most, points_[k].texel->excess[c]);
       }
       if (most > kEven * least) return false;
     }
     return true;
   }
 
-  /// Of a leaf's parts, which count for the error unless they are `within` a node that is cut as one light.
+  /// Returns the moments of a leaf's parts, which count for the error unless `within` a node that is cut as one light.
   Moments moments_of(const LobeRun& parts, bool within) {
     Moments moments;
     for (int k = parts.first; k < parts.first + parts.count; ++k) {
@@ -285,8 +285,8 @@ class LightTree {
     for (int k = parts.first; k < parts.first + parts.count; ++k) {
       const LobeLight& light = lights_.cut_lights_[static_cast<std::size_t>(k)].light;
       const glm::dvec3 colour(light.red, light.green, light.blue);
-      const double own = glm::length(colour);
-      lights_.cut_square_ += own * own * size * size * size;
+      const double brightness = glm::length(colour);
+      lights_.cut_square_ += brightness * brightness * size * size * size;
       lights_.cut_ += colour * size * size;
     }
   }
@@ -336,12 +336,12 @@ class LightTree {
   LobeRun rectangle_of(const Box& box, std::size_t first, std::size_t end) {
     const int rows = box.end.row - box.first.row;
     const int columns = box.end.column - box.first.column;
-    const BrightTexel& texel = *places_[first].texel;
+    const BrightTexel& texel = *points_[first].texel;
     const bool full = box.end.face - box.first.face == 1 &&
                       end - first == static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-    const bool even = full && std::all_of(places_.begin() + static_cast<std::ptrdiff_t>(first),
-                                          places_.begin() + static_cast<std::ptrdiff_t>(end),
-                                          [&](const LightPoint& place) { return place.texel->excess == texel.excess; });
+    const bool even = full && std::all_of(points_.begin() + static_cast<std::ptrdiff_t>(first),
+                                          points_.begin() + static_cast<std::ptrdiff_t>(end),
+                                          [&](const LightPoint& point) { return point.texel->excess == texel.excess; });
     if (!even) return {};
     const int face_row = shape_.cubemap ? box.first.face * shape_.columns : 0;
     return rectangle_of({face_row + box.first.row, box.first.column, rows, columns}, texel);
@@ -418,10 +418,10 @@ class LightTree {
     double most = 0.0;
     for (const double x : {0.0, 0.5, 1.0}) {
       for (const double y : {0.0, 0.5, 1.0}) {
-        const glm::dvec3 place =
+        const glm::dvec3 corner =
             directions_.at(box.first.face, box.first.column + x * (box.end.column - box.first.column),
                            box.first.row + y * (box.end.row - box.first.row));
-        most = std::max(most, glm::length(place - centre));
+        most = std::max(most, glm::length(corner - centre));
       }
     }
     return most;
@@ -447,7 +447,7 @@ class LightTree {
   math::GaussRule rule_;
   int smooth_;
   int parts_ = 2;
-  std::vector<LightPoint, platform::WorkingAllocator<LightPoint>> places_;
+  std::vector<LightPoint, platform::WorkingAllocator<LightPoint>> points_;
   Samples samples_;
   Samples cut_;  ///< of a texel
   double most_cut_radius_ = 0.0;
@@ -462,7 +462,7 @@ BrightLights::BrightLights(const std::vector<BrightTexel>& texels, const ImageSh
   const ImageShape cut{shape.cubemap, cuts * shape.columns, cuts * shape.rows};
   const bool exact = is_coarse(shape, lobes.of);
   if (exact) texels_ = projection::texel_integrals_of(cut.grid());
-  // What a cut light errs by falls with the square of its size. A kernel may be steep at its horizon.
+  // The error of a cut light falls with the square of its size. A kernel may be steep at its horizon.
   double most_cut = kMaxCutRadius * math::exponential(0.5 * std::min(kMaxLoosening, kDefaultReach - reach));
   if (lobes.of == LightsOf::any) most_cut = std::min(most_cut, 0.5 * lobes.narrowest());
   const LightTree tree(cuts == 1 ? texels : cut_texels(texels, shape, cuts), cut, lobes, reach, exact, most_cut, *this);
@@ -484,7 +484,7 @@ std::size_t BrightLights::tree_bytes(std::size_t texels, std::size_t leaves, con
   const auto along = static_cast<std::size_t>(parts_along(edge, leaves, lobes));
   const std::size_t parts = std::max(static_cast<std::size_t>(kMaxParts), leaves * along * along);
   const std::size_t cut = is_coarse(shape, lobes.of) ? 0 : parts + leaves;
-  // places are listed while solid angles are found
+  // Positions are listed while solid angles are found.
   const std::size_t cutting = leaves > texels ? leaves * 2 * (sizeof(BrightTexel) + sizeof(std::int64_t)) : 0;
   const double widest = widest_edge_of(shape, lobes.of) / cuts_of(shape, lobes, texels);
   return leaves * LightTree::bytes_of_leaf(smooth_points(widest, lobes.least_alpha, kDefaultReach + 1.0, lobes.of)) +

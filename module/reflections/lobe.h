@@ -39,8 +39,8 @@ struct KernelTable {
   std::vector<float> twice_integrated;
   double cells_of_c = 0.0;
 
-  /// Radians: `Lobe::scale` of the bell whose fourth derivative is as large beside its peak as the kernel's is where it
-  /// has no break.
+  /// Radians: `Lobe::scale` of the bell whose fourth derivative is as large next to its peak as the kernel's is where
+  /// it has no break.
   double smooth_scale = 0.0;
 
   [[nodiscard]] int cells() const noexcept { return static_cast<int>(lines.size() / 2); }
@@ -95,7 +95,7 @@ class Lobe {
   /// a cosine that changes evenly.
   [[nodiscard]] bool annular() const noexcept;
   [[nodiscard]] const std::vector<double>& breaks() const noexcept { return breaks_; }
-  [[nodiscard]] const KernelTable& table() const;  ///< made when it is first asked for; empty for GGX
+  [[nodiscard]] const KernelTable& table() const;  ///< made on first use; empty for GGX
   /// Bands beyond which there is nothing; 0: it has no end.
   [[nodiscard]] int last_band() const noexcept { return static_cast<int>(factors_.size()); }
 
@@ -135,7 +135,7 @@ class Lobe {
   mutable std::once_flag table_made_;
   mutable KernelTable table_;
   mutable std::mutex mutex_;
-  mutable std::vector<double> spectrum_;  ///< made when it is asked for
+  mutable std::vector<double> spectrum_;  ///< made on demand
 };
 
 /// Returns what decides at such bounds how finely lights are merged, and which lobes are too narrow for harmonics: 9.25

@@ -63,8 +63,8 @@ PrefilteredSpecular LobeChain::run(const Control& control, float scale, Irradian
   return std::move(result_);
 }
 
-/// Adds a pass to the diagnostics if a channel is too dark beside `field`, the root mean square of what was summed in
-/// floats, for the bound on its error.
+/// Adds a pass to the diagnostics if a channel is too dark relative to `field`, the root mean square of what was summed
+/// in floats, for the bound on its error.
 void LobeChain::note_darkness(const ChainTarget& target, double field, const Control& control) {
   constexpr double kFloatNoise = 1e-6;  // of the field, at any texel: five times the rms of harmonics in floats
   const double share = kFloatNoise / target.bounds.maximum;
@@ -171,23 +171,23 @@ void LobeChain::add_spectral_passes(std::vector<SpectralMip> mips, jobs::TaskGra
   constexpr double kAnalysis = 2.0 / 3.0;  // of the time of what it is for
   spectral_mips_ = std::move(mips);
   near_far_mips_.clear();
-  const auto plan_of = [&](const SpectralMip& own) -> const MipPlan& {
-    return own.level ? spectral_.mips[*own.level] : *spectral_.irradiance;
+  const auto plan_of = [&](const SpectralMip& job) -> const MipPlan& {
+    return job.level ? spectral_.mips[*job.level] : *spectral_.irradiance;
   };
   double work = 0.0;
-  for (const SpectralMip& own : spectral_mips_) work += work_of(plan_of(own));
+  for (const SpectralMip& job : spectral_mips_) work += work_of(plan_of(job));
   const std::size_t analysed = graph.add(kAnalysis * work, [this](const Control& part) {
     if (spectral_.tightenings == 0) find_lights({part.stop, {}});
     analyse(part);
   });
-  for (SpectralMip& own : spectral_mips_) {
-    const MipPlan& mip = plan_of(own);
-    const ChainTarget to = own.level ? target(*own.level) : target_of_irradiance();
-    own.made = mip.method == MipMethod::near_far;
-    if (own.made) {
+  for (SpectralMip& job : spectral_mips_) {
+    const MipPlan& mip = plan_of(job);
+    const ChainTarget to = job.level ? target(*job.level) : target_of_irradiance();
+    job.made = mip.method == MipMethod::near_far;
+    if (job.made) {
       near_far_mips_.push_back({to, mip, nullptr});
     } else {
-      graph.add(work_of(mip), [this, to, &own, &mip](const Control& part) { own.made = spectral_mip(to, mip, part); },
+      graph.add(work_of(mip), [this, to, &job, &mip](const Control& part) { job.made = spectral_mip(to, mip, part); },
                 {analysed});
     }
   }
@@ -200,8 +200,8 @@ void LobeChain::tighten(const Control& control) {
     memory_.give_back(spectrum_.bytes());
     spectrum_ = {};
     std::vector<SpectralMip> left;
-    for (const SpectralMip& own : spectral_mips_) {
-      if (!own.made) left.push_back(own);
+    for (const SpectralMip& job : spectral_mips_) {
+      if (!job.made) left.push_back(job);
     }
     if (left.empty()) return;
     spectral_ = step_of(spectral_.tightenings + 1);
@@ -215,12 +215,12 @@ void LobeChain::tighten(const Control& control) {
 /// Narrow mips' near sums look at the same texels of the whole source.
 void LobeChain::add_near_far_passes(std::size_t analysed, jobs::TaskGraph& graph) {
   std::vector<std::size_t> far;
-  for (NearFarMip& own : near_far_mips_) {
-    far.push_back(graph.add(work_of(own.mip),
-                            [this, &own](const Control& part) {
-                              own.table = NearTable::get(own.mip.near);
-                              own.mip = with_far_part(std::move(own.mip));
-                              blur(own.to, own.mip, part);
+  for (NearFarMip& job : near_far_mips_) {
+    far.push_back(graph.add(work_of(job.mip),
+                            [this, &job](const Control& part) {
+                              job.table = NearTable::get(job.mip.near);
+                              job.mip = with_far_part(std::move(job.mip));
+                              blur(job.to, job.mip, part);
                             },
                             {analysed}));
   }
@@ -228,13 +228,13 @@ void LobeChain::add_near_far_passes(std::size_t analysed, jobs::TaskGraph& graph
       2.0 * work_of(near_far_mips_.front().mip),
       [this](const Control& part) {
         std::vector<NearMip> tables;
-        for (const NearFarMip& own : near_far_mips_) tables.push_back({own.table, own.to.faces()});
+        for (const NearFarMip& job : near_far_mips_) tables.push_back({job.table, job.to.faces()});
         add_near_sums("near_far", rows_without({}, source_), source_.columns(), tables, part);
       },
       far);
-  for (const NearFarMip& own : near_far_mips_) {
-    graph.add(work_of(own.mip),
-              [this, &own](const Control& part) { static_cast<void>(end_spectral_mip(own.to, own.mip, {}, part)); },
+  for (const NearFarMip& job : near_far_mips_) {
+    graph.add(work_of(job.mip),
+              [this, &job](const Control& part) { static_cast<void>(end_spectral_mip(job.to, job.mip, {}, part)); },
               {near});
   }
 }
@@ -275,8 +275,8 @@ void LobeChain::blur(const ChainTarget& target, const MipPlan& mip, const Contro
 /// Returns whether the darkest texel of a mip without the extracted light keeps the bound on the largest error.
 bool LobeChain::shows_dark(const ChainTarget& target, const MipPlan& mip, const Control& control) const {
   constexpr double kOfTruncated = 8.0;  // over the root mean square: the largest error
-  const double least = least_of(target.chain, target.level, control);
-  return kOfTruncated * truncated_afar(mip, energies_) <= target.bounds.maximum * least;
+  const double darkest = least_of(target.chain, target.level, control);
+  return kOfTruncated * truncated_afar(mip, energies_) <= target.bounds.maximum * darkest;
 }
 
 /// Chooses the bands of a GGX lobe that harmonics alone make: a quarter more as long as the image's energies take

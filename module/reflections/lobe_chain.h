@@ -56,7 +56,7 @@ struct ChainTarget {
   int level;
   MipRecord& record;
   std::string name;    ///< in passes
-  ErrorBounds bounds;  ///< asked for
+  ErrorBounds bounds;  ///< requested
 
   [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
   /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.
@@ -70,10 +70,10 @@ struct ChainTarget {
 /// One call's work: the mips of a plan, each a source blurred by a lobe.
 class LobeChain {
  public:
-  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room, memory_resource* memory)
+  LobeChain(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap into, memory_resource* memory)
       : source_(source), plan_(plan), spectral_(step_of(0)) {
     const auto levels = static_cast<int>(plan_.mips.size());
-    if (levels > 0) result_.cubemap = image::shaped(std::move(room), plan_.mips.front().size, levels, memory);
+    if (levels > 0) result_.cubemap = image::shaped(std::move(into), plan_.mips.front().size, levels, memory);
     if (plan_.irradiance) irradiance_ = Cubemap(plan_.irradiance->size, 1);
     result_.mips.resize(plan_.mips.size());
   }

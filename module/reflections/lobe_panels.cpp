@@ -59,8 +59,8 @@ double Lobe::evaluate(const Panel& panel, double s) noexcept {
   double next = 0.0;  // Clenshaw's sum
   double after = 0.0;
   for (int j = kOrder - 1; j > 0; --j) {
-    const double own = panel.coefficients[j] + recurrence.up[j] * x * next - recurrence.down[j + 1] * after;
-    after = std::exchange(next, own);
+    const double term = panel.coefficients[j] + recurrence.up[j] * x * next - recurrence.down[j + 1] * after;
+    after = std::exchange(next, term);
   }
   return panel.coefficients[0] + x * next - 0.5 * after;
 }
@@ -74,9 +74,9 @@ double Lobe::value_at(double s) const noexcept {
 double Lobe::smooth_over(double from, double to) const noexcept {
   auto at = std::upper_bound(panels_.begin(), panels_.end() - 1, from,
                              [](double position, const Panel& panel) { return position < panel.end; });
-  double least = 1.0;
-  for (; at != panels_.end() && at->begin <= to; ++at) least = std::min(least, at->end - at->begin);
-  return std::max(least, 0.5 * scale_);  // panels about the axis are narrower than they need be
+  double narrowest = 1.0;
+  for (; at != panels_.end() && at->begin <= to; ++at) narrowest = std::min(narrowest, at->end - at->begin);
+  return std::max(narrowest, 0.5 * scale_);  // panels about the axis are narrower than they need be
 }
 
 double Lobe::value(double cosine) const noexcept {
@@ -84,7 +84,7 @@ double Lobe::value(double cosine) const noexcept {
   return value_at(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
 }
 
-/// From the axis on, so that panels come out in order. Each is halved until its last coefficients are small.
+/// Makes panels from the axis on, so that they come out in order. Each is halved until its last coefficients are small.
 ///
 /// On a panel, mapped to x from -1 to 1, the coefficient of P_j is (j + 1/2) Int k P_j dx. The rule of 20 points is
 /// exact up to degree 39: for a polynomial of degree 19 these are the coefficients of the polynomial through its
@@ -166,39 +166,39 @@ void Lobe::measure() {
   constexpr double kNearHorizon = 0.45;  // s^2 at the cosine 0.1
   const math::GaussRule rule = math::gauss_legendre(kOrder);
   double steepest = 0.0;
-  double least = 0.0;
+  double lowest = 0.0;
   double below = 0.0;  // the horizon
   for (const Panel& panel : panels_) {
     const double width = panel.end - panel.begin;
     for (int i = 0; i < kOrder; ++i) {
       const double s = 0.5 * (panel.begin + panel.end) + 0.5 * width * rule.nodes[i];
-      const double own = evaluate(panel, s);
-      square_ += 4.0 * kPi * width * rule.weights[i] * s * own * own;
+      const double value = evaluate(panel, s);
+      square_ += 4.0 * kPi * width * rule.weights[i] * s * value * value;
     }
     double before = evaluate(panel, panel.begin);
     for (int k = 0; k <= kSteps; ++k) {
       const double s = panel.begin + width * k / kSteps;
-      const double own = evaluate(panel, s);
-      peak_ = std::max(peak_, std::abs(own));
-      least = std::min(least, own);
-      if (panel.begin >= std::sqrt(0.5) - 1e-12) below = std::max(below, std::abs(own));
+      const double value = evaluate(panel, s);
+      peak_ = std::max(peak_, std::abs(value));
+      lowest = std::min(lowest, value);
+      if (panel.begin >= std::sqrt(0.5) - 1e-12) below = std::max(below, std::abs(value));
       // dk / dtheta = dk / ds cos(theta / 2) / 2, and cos(theta / 2) = sqrt(1 - s^2)
-      const double slope = std::abs(own - before) * kSteps / width * 0.5 * std::sqrt(std::max(0.0, 1.0 - s * s));
+      const double slope = std::abs(value - before) * kSteps / width * 0.5 * std::sqrt(std::max(0.0, 1.0 - s * s));
       if (width > 1e-6) steepest = std::max(steepest, slope);
       if (s * s >= kNearHorizon && panel.end <= std::sqrt(0.5) + 1e-12)
         horizon_slope_ = std::max(horizon_slope_, slope);
-      before = own;
+      before = value;
     }
   }
   find_where_seen();
   scale_ = peak_ < kPi * steepest ? peak_ / steepest : kPi;
-  negative_ = least < -1e-9 * peak_;
+  negative_ = lowest < -1e-9 * peak_;
   const bool broken =
       std::any_of(breaks_.begin(), breaks_.end(), [](double s) { return std::abs(s - std::sqrt(0.5)) < 1e-12; });
   hemisphere_ = broken && below == 0.0;
 }
 
-/// By the ends of what it looks at, so that nothing between them is missed.
+/// Decides by the ends of what it looks at, so that nothing between them is missed.
 void Lobe::find_where_seen() {
   constexpr int kSteps = 32;  // of a panel
   nearest_ = 1.0;

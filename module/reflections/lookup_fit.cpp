@@ -1,4 +1,4 @@
-// Lobes of mips that linear lookups between them bring nearest to the truth.
+// Lobes of mips that bring linear lookups between them nearest to the reference.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr double kSlope = 0.01;  ///< of a roughness, by which its spectrum's sl
 
 using Spectrum = std::vector<double>;
 
-/// What a typical image has of each degree: a power law between that of landscapes, l^-3 per harmonic, and that of
+/// Returns a typical image's energy per degree: a power law between that of landscapes, l^-3 per harmonic, and that of
 /// images with lamps, l^-2.
 Spectrum typical_energies(int degrees) {
   Spectrum energies{9.0};
@@ -42,7 +42,7 @@ struct Wanted {
   std::size_t mip;
   double share;  ///< of the next mip
   Spectrum truth;
-  double weight;  ///< how many materials have such a roughness, over the mean square of the truth
+  double weight;  ///< how many materials have such a roughness, over the mean square of the reference
 };
 
 /// The squared error of all lookups as a function of the mips' lobes: Gauss-Newton, whose equations are tridiagonal, as

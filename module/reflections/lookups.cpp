@@ -155,7 +155,7 @@ double error_between(const MipPair& mips, const LookupFormula& formula, std::spa
       error += static_cast<double>(energies[l]) * seen->errors[from + l];
       whole += static_cast<double>(energies[l]) * seen->truths[from + l];
     }
-    // relative to the truth at each roughness, as its mean square falls from one to the next
+    // relative to the reference at each roughness, as its mean square falls from one to the next
     if (whole > 0.0) squares += error / whole;
   }
   return std::sqrt(squares / kSamples);

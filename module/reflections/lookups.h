@@ -61,7 +61,7 @@ struct TexelFilter {
 };
 
 /// Returns the root mean square error over all roughnesses between two mips, relative to the root mean square of the
-/// truth, of an image with these energies per degree.
+/// reference, of an image with these energies per degree.
 [[nodiscard]] double error_between(const MipPair& mips, const LookupFormula& formula, std::span<const float> energies);
 
 /// Returns the energies per degree of an image, over their sum, from those of what is left without its bright texels.

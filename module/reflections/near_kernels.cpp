@@ -382,12 +382,12 @@ class CloseShares {
   WELKIN_INLINE CloseShares(const SplitLobe& lobe, const CornerLine& above, const CornerLine& below, int first)
       : lobe_(lobe), above_(above), below_(below), left_(side(first)) {}
 
-  /// `place`: of the left corners, in floats; each call's is the next corner's.
-  WELKIN_INLINE Lanes next(int place) {
+  /// `left`: of the left corners, in floats; each call's is the next corner's.
+  WELKIN_INLINE Lanes next(int left) {
     const Lanes zero(0.0F);
-    const Lanes right = side(place + kLanes);
-    const Lanes top = Lanes::load_aligned(above_.edge + place);
-    const Lanes bottom = Lanes::load_aligned(below_.edge + place);
+    const Lanes right = side(left + kLanes);
+    const Lanes top = Lanes::load_aligned(above_.edge + left);
+    const Lanes bottom = Lanes::load_aligned(below_.edge + left);
     const auto within = top >= zero && right >= zero && bottom < zero && left_ < zero;
     const Lanes missed = ((top - bottom) + (right - left_)) * Lanes(0.5F / kPi);
     left_ = right;
@@ -395,9 +395,9 @@ class CloseShares {
   }
 
  private:
-  [[nodiscard]] WELKIN_INLINE Lanes side(int place) const {
-    return missed_by(lobe_, edge_between(Lanes::load_aligned(above_.x + place), Lanes::load_aligned(above_.y + place),
-                                         Lanes::load_aligned(below_.x + place), Lanes::load_aligned(below_.y + place)));
+  [[nodiscard]] WELKIN_INLINE Lanes side(int left) const {
+    return missed_by(lobe_, edge_between(Lanes::load_aligned(above_.x + left), Lanes::load_aligned(above_.y + left),
+                                         Lanes::load_aligned(below_.x + left), Lanes::load_aligned(below_.y + left)));
   }
 
   const SplitLobe& lobe_;
@@ -439,13 +439,13 @@ class RowWeights {
   void subtract_far(ColumnRange columns, const CornerLine& above, const CornerLine& below) const {
     const bool cut = above.bend != nullptr;  // the own column of a lat-long is two: see `MeasureLine`
     const RowPoints<Group, 3> points(group_, row_, k_);
-    int place = columns.first * kLanes + k_;
-    CloseShares shares(lobe_, above, below, place);
-    for (int i = columns.first; i < columns.end; ++i, place += kLanes) {
-      Lanes share = shares.next(place);
+    int left = columns.first * kLanes + k_;
+    CloseShares shares(lobe_, above, below, left);
+    for (int i = columns.first; i < columns.end; ++i, left += kLanes) {
+      Lanes share = shares.next(left);
       if (cut && i == 0) {
-        place += kLanes;
-        share = share + shares.next(place);
+        left += kLanes;
+        share = share + shares.next(left);
       }
       Lanes far(0.0F);
       Lanes nearest(1.0F);
@@ -479,16 +479,16 @@ void weigh_row(const SplitLobe& lobe, const Group& group, int row, const RowRang
                const CornerLine& below, float* weights) {
   const auto& [columns, fine, close] = range;
   for (int k = 0; k < kLanes; k += kWidth) {
-    const RowWeights<Group> own(lobe, group, row, k, weights);
-    own.template integrate<2>({columns.first, fine.first});
-    own.template integrate<2>({fine.end, columns.end});
-    for (const ColumnRange beside : {ColumnRange{fine.first, close.first}, ColumnRange{close.end, fine.end}}) {
+    const RowWeights<Group> row_weights(lobe, group, row, k, weights);
+    row_weights.template integrate<2>({columns.first, fine.first});
+    row_weights.template integrate<2>({fine.end, columns.end});
+    for (const ColumnRange outer : {ColumnRange{fine.first, close.first}, ColumnRange{close.end, fine.end}}) {
       if (lobe.fine)
-        own.template integrate<4>(beside);
+        row_weights.template integrate<4>(outer);
       else
-        own.template integrate<3>(beside);
+        row_weights.template integrate<3>(outer);
     }
-    if (close.first < close.end) own.subtract_far(close, above, below);
+    if (close.first < close.end) row_weights.subtract_far(close, above, below);
   }
 }
 
@@ -546,10 +546,10 @@ const float* sum_runs(const NearTaps& taps, float* sums) {
   const float* weights = taps.weights;
   for (const NearRun* run = taps.runs; run != taps.runs + taps.count; ++run) {
     const float* const records = taps.records + (taps.rows[run->row] + std::ptrdiff_t{run->first} * kRecordFloats);
-    const auto add = [weights, records](Lanes* own, int i) WELKIN_INLINE_LAMBDA {
+    const auto add = [weights, records](Lanes* to, int i) WELKIN_INLINE_LAMBDA {
       const Lanes weight(weights[i]);
       for (int r = 0; r < kRegisters; ++r)
-        own[r] += weight * Lanes::load_aligned(records + i * kRecordFloats + r * kWidth);
+        to[r] += weight * Lanes::load_aligned(records + i * kRecordFloats + r * kWidth);
     };
     for (int i = 0; i < run->count;) {
       const int first = i;

@@ -99,10 +99,10 @@ std::shared_ptr<const NearTable> NearTable::get(const NearSplit& split) {
   return cache.get(split, [&] { return std::make_shared<const NearTable>(split); });
 }
 
-const NearTile& NearTable::tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const {
+const NearTile& NearTable::tile(std::size_t index, NearTile& made, NearWeights::Scratch& scratch) const {
   if (!tiles_.empty()) return tiles_[index];
-  weights_.make(index, own, scratch);
-  return own;
+  weights_.make(index, made, scratch);
+  return made;
 }
 
 std::size_t NearTable::bytes() const noexcept {
@@ -120,7 +120,7 @@ std::size_t NearTable::most_bytes(const NearSplit& split) noexcept {
 
 namespace {
 
-/// Those texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
+/// The texels of a source that the directions with weights reach, with 16 images of each side by side: one weight
 /// does for all of them. A symmetry G of the source's grid takes the weight of texel t for direction d to that of G t
 /// for G d. So the sum for G d is Sum_t weight(d, t) L(G t), and a record of t holds L(G t) of all sixteen G as
 /// `cube_image_of` numbers them. A cubemap's other 32 symmetries are these after one or two rotations of the axes.
@@ -187,12 +187,12 @@ void NearRecords::copy_of_face(const std::vector<const float*>& rows, const Piec
   const int part = piece.row / size;
   const int row = piece.row % size;
   const auto [first, end] = piece.columns;
-  const image::FaceImage& own = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
+  const image::FaceImage& from = images_[static_cast<std::size_t>((rotation * kParts + part) * kRingImages + image)];
   const RecordCopy copy{rows.data(),
-                        own.face * size + own.row + first * own.across_rows + row * own.down_rows,
-                        own.across_rows,
-                        own.column + first * own.across_columns + row * own.down_columns,
-                        own.across_columns,
+                        from.face * size + from.row + first * from.across_rows + row * from.down_rows,
+                        from.across_rows,
+                        from.column + first * from.across_columns + row * from.down_columns,
+                        from.across_columns,
                         end - first,
                         size};
   copy.to(records_.data() + rows_[static_cast<std::size_t>(piece.row)] + std::ptrdiff_t{first} * kRecordFloats, image);
@@ -204,7 +204,7 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   const image::CubeImage how = image::cube_image_of(image);
   const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
   // Columns follow the longitude atan2(x, z) downwards. A mirror, x to -x, negates it: column c goes to columns - 1 -
-  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and a quarter of a turn off it, columns / 4 more. A run
+  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and 90 degrees off it, columns / 4 more. A run
   // of columns that crosses the row's end is copied in two.
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;
@@ -230,7 +230,7 @@ class NearSums {
   NearSums(const NearTable& table, const std::array<float*, 6>& faces) : table_(table), faces_(faces) {
     for (int rotation = 0; rotation < turns_of(table.split()); ++rotation) {
       for (int image = 0; image < kRingImages; ++image) {
-        for (const bool cap : {false, true}) places_[rotation][cap ? 1 : 0][image] = place_of(rotation, image, cap);
+        for (const bool cap : {false, true}) rows_[rotation][cap ? 1 : 0][image] = mirrored_row(rotation, image, cap);
       }
     }
   }
@@ -245,14 +245,14 @@ class NearSums {
     std::ptrdiff_t other = 0;
   };
 
-  [[nodiscard]] MirroredRow place_of(int rotation, int image, bool cap) const;
+  [[nodiscard]] MirroredRow mirrored_row(int rotation, int image, bool cap) const;
 
   const NearTable& table_;
   std::array<float*, 6> faces_;
-  MirroredRow places_[kTurns][2][kRingImages];
+  MirroredRow rows_[kTurns][2][kRingImages];
 };
 
-NearSums::MirroredRow NearSums::place_of(int rotation, int image, bool cap) const {
+NearSums::MirroredRow NearSums::mirrored_row(int rotation, int image, bool cap) const {
   const int size = table_.split().size;
   const auto pixel = [&](int across, int other) {
     const glm::ivec3 point = cap ? glm::ivec3(across, size, other) : glm::ivec3(across, other, size);
@@ -268,25 +268,24 @@ NearSums::MirroredRow NearSums::place_of(int rotation, int image, bool cap) cons
 
 // A direction that is its own image adds its share to that texel several times.
 void NearSums::add(std::size_t tile, int rotation, const NearRecords& records, Scratch& scratch) const {
-  const NearTile& own = table_.tile(tile, scratch.tile, scratch.weights);
+  const NearTile& made = table_.tile(tile, scratch.tile, scratch.weights);
   const glm::ivec3* direction = table_.weights().directions().data() + NearWeights::first_of(tile);
   const NearKernels& kernels = near_kernels();
-  NearTaps taps{records.data(), records.rows(), own.runs.data(), 0, own.weights.data()};
+  NearTaps taps{records.data(), records.rows(), made.runs.data(), 0, made.weights.data()};
   std::array<float*, kRingImages> texels{};
-  for (std::size_t k = 0; k < own.runs_ends.size(); ++k, ++direction) {
-    taps.count = static_cast<int>(own.runs.data() + own.runs_ends[k] - taps.runs);
+  for (std::size_t k = 0; k < made.runs_ends.size(); ++k, ++direction) {
+    taps.count = static_cast<int>(made.runs.data() + made.runs_ends[k] - taps.runs);
     taps.weights = kernels.sum_runs(taps, scratch.sums);
     taps.runs += taps.count;
     const bool cap = direction->y == table_.split().size;
-    const auto& positions = places_[rotation][cap ? 1 : 0];
+    const auto& positions = rows_[rotation][cap ? 1 : 0];
     const bool next = k > 0 && direction->x == direction[-1].x + 2;  // in its row
     for (std::size_t image = 0; image < kRingImages; ++image) {
-      const MirroredRow& place = positions[image];
+      const MirroredRow& row = positions[image];
       if (next)
-        texels[image] += place.across;
+        texels[image] += row.across;
       else
-        texels[image] =
-            place.first + direction->x / 2 * place.across + (cap ? direction->z : direction->y) / 2 * place.other;
+        texels[image] = row.first + direction->x / 2 * row.across + (cap ? direction->z : direction->y) / 2 * row.other;
       for (std::size_t c = 0; c < 3; ++c) texels[image][c] += scratch.sums[3 * image + c];
     }
   }
@@ -349,8 +348,8 @@ constexpr double kBandsTimesReach = 12.0;  ///< what the far part's polynomial w
 constexpr double kTexelsOfReach = 3.0;     ///< at least
 constexpr double kBalance = 5.6;           ///< see `near_far_split`: measured
 
-/// Returns the parts that an edge of texels is cut into. With the fewest bands the reach is kBandsTimesReach /
-/// kMinBands = 0.1 radians, which holds kTexelsOfReach texels from 30 per radian on.
+/// Returns the parts that an edge of texels is cut into. With kMinBands bands the reach is kBandsTimesReach / kMinBands
+/// = 0.1 radians, which holds kTexelsOfReach texels from 30 per radian on.
 int parts_of(double texels_of_radian) {
   constexpr double least = kMinBands * kTexelsOfReach / kBandsTimesReach;
   return std::max(1, static_cast<int>(std::ceil(least / texels_of_radian - 0.01)));

@@ -1,5 +1,4 @@
-// The near part of lobes, summed over the texels of a cubemap or a lat-long: what is left beside a far part of few
-// harmonics.
+// The near part of lobes, summed over the texels of a cubemap or a lat-long: what a far part of few harmonics leaves.
 //
 // The far part is a polynomial near the direction (`kFarPart`) and all of the lobe beyond. Texels count as areas, so
 // the sums are exact but for their weights' quadrature, whatever the light in the texels.
@@ -16,8 +15,8 @@
 
 namespace welkin::reflections {
 
-/// What a mip's near sums need of its split alone: the far part's spectrum, and weights, which images of a direction
-/// share: 48 of a cube, 16 of a lat-long.
+/// Data for a mip's near sums that depend on its split alone: the far part's spectrum, and weights, which images of a
+/// direction share: 48 of a cube, 16 of a lat-long.
 class NearTable {
  public:
   [[nodiscard]] static std::shared_ptr<const NearTable> get(const NearSplit& split);
@@ -28,7 +27,7 @@ class NearTable {
   [[nodiscard]] const std::vector<double>& far() const noexcept { return far_; }
   [[nodiscard]] const NearWeights& weights() const noexcept { return weights_; }
   /// Returns a tile of weights; made in `scratch` where all of them are too many to be kept.
-  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& own, NearWeights::Scratch& scratch) const;
+  [[nodiscard]] const NearTile& tile(std::size_t index, NearTile& made, NearWeights::Scratch& scratch) const;
 
   /// Returns the columns of each row of the source's parts that any weight is of; of a lat-long they go on beyond the
   /// ends of the image's rows.
@@ -65,8 +64,8 @@ void add_near_sums(const std::vector<const float*>& rows, const std::vector<Near
 /// Returns where the lobe of a mip is split, from faces of `face`, to take the least time if the far part takes
 /// `bands_of_reach` over `reach` bands; none if the faces are too coarse for that.
 [[nodiscard]] NearSplit cheapest_split(int face, int size, double alpha, double bands_of_reach) noexcept;
-/// Returns the same for a lobe that is narrower than that: sums over many texels' windows and harmonics of many bands
-/// take about as long. `rows`: of a lat-long; 0: a cubemap. Texels that are large beside the near part count as
+/// Returns the split for a lobe that is narrower than that: sums over many texels' windows and harmonics of many bands
+/// take about as long. `rows`: of a lat-long; 0: a cubemap. Texels that are large relative to the near part count as
 /// several, so the split has more of them, and a lat-long's columns divide by four.
 [[nodiscard]] NearSplit near_far_split(int columns, int rows, int size, double alpha);
 /// Returns about what one thread takes: for the mip, or for any by so many bands of harmonics alone.

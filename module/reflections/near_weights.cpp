@@ -17,8 +17,8 @@ constexpr std::size_t kLanes = simd::kLanes;
 constexpr std::size_t kGroupsPerTile = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Texels that are wide beside the lobe are integrated in closed form, and finely for some way on: their middles lie so
-// many texels from the direction. Others are integrated finely next to it.
+// Texels that are wide relative to the lobe are integrated in closed form, and finely for some way on: their middles
+// lie so many texels from the direction. Others are integrated finely next to it.
 constexpr double kMaxTexel = 2.5;  ///< over alpha
 constexpr int kClose = 2;
 constexpr int kFine = 4;
@@ -47,7 +47,7 @@ double sine_squared_of_half(double radians) {
   return sine * sine;
 }
 
-/// From the least to the largest of some numbers.
+/// An interval from the minimum to the maximum of some numbers.
 struct Interval {
   void take(double value) {
     first = std::min(first, value);
@@ -60,9 +60,9 @@ struct Interval {
 
 /// Returns the columns, or rows, that lie within an interval from -1 to 1 of a face of `size`.
 ColumnRange texels_of(const Interval& interval, int size) {
-  const auto place = [&](double at) { return 0.5 * size * (1.0 + std::clamp(at, -1.0, 1.0)); };
+  const auto position = [&](double at) { return 0.5 * size * (1.0 + std::clamp(at, -1.0, 1.0)); };
   if (!(interval.first < 1.0 && interval.end > -1.0)) return {0, 0};
-  return {static_cast<int>(place(interval.first)), std::min(size, static_cast<int>(place(interval.end)) + 1)};
+  return {static_cast<int>(position(interval.first)), std::min(size, static_cast<int>(position(interval.end)) + 1)};
 }
 
 constexpr bool empty(const ColumnRange& range) { return range.first >= range.end; }
@@ -143,8 +143,8 @@ NearWeights::NearWeights(const NearSplit& split, double share) : split_(split), 
   }
 }
 
-// Of n texels along half an edge, the middle one of an odd size among them, the n (n + 1) / 2 of an eighth of +y, and
-// of a lat-long the n^2 of half a side face as well.
+// Counts, of n texels along half an edge, the middle one of an odd size among them, the n (n + 1) / 2 of an eighth of
+// +y, and of a lat-long the n^2 of half a side face as well.
 std::size_t NearWeights::directions_of(const NearSplit& split) noexcept {
   const auto half = static_cast<std::size_t>((split.size + 1) / 2);
   return half * (half + 1) / 2 + (split.cubemap() ? 0 : half * half);
@@ -178,9 +178,9 @@ Interval across_cone(double x, double z, const math::SineCosine& reach) {
   return {-kInfinity, product / (x * z - root)};
 }
 
-/// Returns a range from a place on, and another.
-ColumnRange with(const ColumnRange& range, const ColumnRange& other, int place) {
-  return {std::min(range.first, other.first - place), std::max(range.end, other.end - place)};
+/// Returns the union of a range and of another that is counted from an offset on.
+ColumnRange with(const ColumnRange& range, const ColumnRange& other, int offset) {
+  return {std::min(range.first, other.first - offset), std::max(range.end, other.end - offset)};
 }
 
 }  // namespace
@@ -246,11 +246,11 @@ void NearWeights::add_lat_long(const Directions& directions, Scratch& scratch) c
   for (std::size_t k = 0; k < kLanes; ++k) {
     const glm::dvec3& d = directions[k];
     const double flat = std::sqrt(d.x * d.x + d.z * d.z);
-    const double own = math::turns_of(d.y, flat);
-    // column 0 begins at longitude half a turn, row 0 at the pole, a quarter of a turn up
+    const double elevation = math::turns_of(d.y, flat);
+    // Column 0 begins at longitude 180 degrees (0.5 turns), row 0 at the pole (0.25 turns).
     const double column = clear_of_lines((0.5 - math::turns_of(d.x, d.z)) * columns);
-    const double row = clear_of_lines((0.25 - own) * 2.0 * rows);
-    latitude.take(own);
+    const double row = clear_of_lines((0.25 - elevation) * 2.0 * rows);
+    latitude.take(elevation);
     part_rows.take(row - whole_below(row));
     window.column[k] = whole_below(column);
     window.row[k] = std::min(whole_below(row), rows - 1);
@@ -367,16 +367,16 @@ void NearWeights::take_runs(std::size_t lane, Scratch& scratch) const {
     const Window& window = scratch.windows[k];
     if (window.column[lane] == kNowhere) continue;
     int row = window.part * part_rows + window.row[lane] + window.first_row;
-    for (const Window::Row& own : window.rows) {
-      const float* const weights = scratch.weights.data() + own.weights + lane;
+    for (const Window::Row& line : window.rows) {
+      const float* const weights = scratch.weights.data() + line.weights + lane;
       const auto weight = [&](int i) { return weights[static_cast<std::ptrdiff_t>(i) * simd::kLanes]; };
-      const int count = own.range.columns.end - own.range.columns.first;
+      const int count = line.range.columns.end - line.range.columns.first;
       int first = 0;
       int end = count;
       while (first < end && weight(first) == 0.0F) ++first;
       while (first < end && weight(end - 1) == 0.0F) --end;
       if (first < end) {
-        scratch.made.runs.push_back({row, window.column[lane] + own.range.columns.first + first, end - first});
+        scratch.made.runs.push_back({row, window.column[lane] + line.range.columns.first + first, end - first});
         const std::size_t before = scratch.made.weights.size();
         scratch.made.weights.resize(before + static_cast<std::size_t>(end - first));
         float* const made = scratch.made.weights.data() + before;

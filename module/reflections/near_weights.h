@@ -80,7 +80,7 @@ class NearWeights {
   NearSplit split_;
   double share_;
   SplitLobe lobe_{};
-  bool closed_ = false;  ///< whether the texels next to a direction are wide beside the lobe
+  bool closed_ = false;  ///< whether the texels next to a direction are wide relative to the lobe
   std::vector<glm::ivec3> directions_;
   std::vector<float> column_table_;  ///< of a lat-long, see `LatLongGroup`
 };
@@ -102,7 +102,7 @@ struct NearWeights::Window {
   LatLongGroup lat_long{};
 };
 
-/// What a worker holds while it makes weights.
+/// A worker's scratch for making weights.
 struct NearWeights::Scratch {
   std::array<Window, kNearFaces.size()> windows;
   std::size_t count = 0;  ///< of the windows

@@ -55,11 +55,11 @@ void describe_pixels(const ProjectionDiagnostics& sanitized, const glm::dvec3& c
 
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control) {
   if (plan.bands == 0) return;
-  const PrefilterPlan own = plan.at_step(0, {true, face_size, face_size});
-  for (const MipPlan& mip : own.mips) {
+  const PrefilterPlan step = plan.at_step(0, {true, face_size, face_size});
+  for (const MipPlan& mip : step.mips) {
     if (mip.near.face > 0) static_cast<void>(NearTable::get(mip.near));
   }
-  RingTable::get({own.face_for_cubemap(face_size), own.rows_for_cubemap()}, {control.stop});
+  RingTable::get({step.face_for_cubemap(face_size), step.rows_for_cubemap()}, {control.stop});
 }
 
 float safe_scale(const projection::SanitizedSource& source) noexcept {
@@ -105,10 +105,10 @@ void undo_scale(PrefilteredSpecular& result, float scale) {
 
 }  // namespace
 
-PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap room,
+PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan, Cubemap into,
                               const Control& control, IrradianceMap* irradiance) {
   const float scale = safe_scale(source);
-  if (scale == 1.0F) return LobeChain(source, plan, std::move(room), control.memory).run(control, scale, irradiance);
+  if (scale == 1.0F) return LobeChain(source, plan, std::move(into), control.memory).run(control, scale, irradiance);
   LatLongImage lat_long;
   Cubemap cube;
   if (source.cubemap())
@@ -117,15 +117,15 @@ PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const P
     lat_long = {source.columns(), source.rows(), scaled_pixels(source, scale)};
   const projection::SanitizedSource scaled(
       source.cubemap() ? EnvironmentView(cube.view()) : EnvironmentView(lat_long.view()), {}, {control.stop, {}});
-  PrefilteredSpecular result = LobeChain(scaled, plan, std::move(room), control.memory).run(control, scale, irradiance);
+  PrefilteredSpecular result = LobeChain(scaled, plan, std::move(into), control.memory).run(control, scale, irradiance);
   undo_scale(result, scale);
   return result;
 }
 
 PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan, const PixelPolicy& pixels,
-                              Cubemap room, const Control& control) {
+                              Cubemap into, const Control& control) {
   const projection::SanitizedSource source(view, pixels, jobs::part_of(control, 0.0, 0.05));
-  PrefilteredSpecular result = prefilter(source, plan, std::move(room), jobs::part_of(control, 0.05, 1.0));
+  PrefilteredSpecular result = prefilter(source, plan, std::move(into), jobs::part_of(control, 0.05, 1.0));
   result.peak_bytes += source.bytes();
   describe_pixels(source.diagnostics(), source.clamped_radiance(), result);
   return result;

@@ -1,4 +1,4 @@
-// The prefilter from the inside: what it leaves for whoever bakes more than reflections.
+// The prefilter's internal interface: what it leaves for callers that bake more than reflections.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,15 @@ struct IrradianceMap {
   MipRecord record;
 };
 
-/// Blurs a sanitized source by the lobes of a plan. The result is put into `room` if that has its shape. `pixels` of it
+/// Blurs a sanitized source by the lobes of a plan. The result reuses `into` if that has its shape. `pixels` of it
 /// is empty but for the passes: see `describe_pixels`. `irradiance` takes that of the plan, and may be null without
 /// one. Throws `Error` (cancelled, limit_exceeded).
 [[nodiscard]] PrefilteredSpecular prefilter(const projection::SanitizedSource& source, const PrefilterPlan& plan,
-                                            Cubemap room, const Control& control, IrradianceMap* irradiance = nullptr);
+                                            Cubemap into, const Control& control, IrradianceMap* irradiance = nullptr);
 
 /// Sanitizes a view, then does the same, and describes its pixels. Throws `Error` (rejected_pixel) as well.
 [[nodiscard]] PrefilteredSpecular prefilter(const EnvironmentView& view, const PrefilterPlan& plan,
-                                            const PixelPolicy& pixels, Cubemap room, const Control& control);
+                                            const PixelPolicy& pixels, Cubemap into, const Control& control);
 
 /// Makes the tables that cubemaps of such faces take by the plan, if they are not kept yet. Throws `Error` (cancelled).
 void make_tables(const PrefilterPlan& plan, int face_size, const Control& control);

@@ -28,7 +28,7 @@ double spline_loss(int l, int rings) {
   return x * x * x * x * (0.24 + 0.2 * x + 0.65 * x * x);
 }
 
-/// Of a mip's own root mean square error, over what the sums below say: for the image's place among a mip's texels.
+/// Ratio of a mip's own root mean square error to what the sums below say: for the image's position among its texels.
 /// This and the shares are fits to `welkin_perf --estimates`, docs/maths/reflections.md. By their moments the shares of
 /// `RingShares` lose 0.0114 (l h)^4, those of `halved_faces` 0.0073 (l h)^4 in the mean and 0.0089 root mean square.
 constexpr double kSafety = 1.8;
@@ -38,7 +38,7 @@ constexpr double kSpreadOrder = 0.012;  ///< of (l h)^4, which points that are s
 constexpr double kSpreadScattered = 0.001;  ///< of l h^2, by which those scatter
 constexpr double kHalvedOrder = 0.0085;     ///< of (l h)^4, what faces lose that are halved to texels of h
 constexpr double kHalvedScattered = 0.03;   ///< of h, by which those scatter fine degrees
-constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels beside edges gain or lose by it
+constexpr double kHalvedEdges = 0.02;       ///< of h^2, what texels next to edges gain or lose by it
 constexpr double kNearWeights = 1e-5;       ///< of near sums, over the mip's own root mean square
 constexpr double kNearTexels = 0.0028;      ///< of the contrast times h^2, which weights of texels of h err by
 constexpr double kRounding = 2e-7;          ///< of float harmonics
@@ -55,7 +55,7 @@ struct RingLosses {
   }
   [[nodiscard]] double scattered(int l) const { return kSpreadScattered * l * height * height; }
 
-  /// Of even light by a lobe: a table's weights are floats, and few rings lie within a lobe.
+  /// Returns the error of uniform light by a lobe: a table's weights are floats, and few rings lie within a lobe.
   [[nodiscard]] double rounded(double alpha) const {
     const double rings = alpha / (3.0 * height);
     if (rings >= 1.0) return kTableRounding / (rings * rings);
@@ -86,7 +86,7 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
 
 namespace {
 
-constexpr std::int64_t kMaxTexels = 24576;  ///< that are looked through
+constexpr std::int64_t kMaxTexels = 24576;  ///< of an image that is summed
 
 /// A wave of degree l that runs diagonally to texels h wide steps by 2 sin(l h / sqrt(8)) of itself from each to the
 /// next, whose square is 8 sin^2(l h / sqrt(8)) / h^2 of it along both axes. Turns.
@@ -177,7 +177,7 @@ EnergyBeyond ImageSums::beyond(std::span<const double> energies) const {
   // sin^2(l h / sqrt(8)) of one wave that has all that is left of both
   const double square = std::clamp(0.125 * texel * texel * steps_left / left, 0.0, 1.0);
   const double turns = math::arc_sine(std::sqrt(square)) / (2.0 * kPi);
-  // What texels' steps alone make mirrors the degrees below at pi / texel.
+  // Energy that texels' steps alone make mirrors the degrees below at pi / texel.
   const auto known = static_cast<double>(energies.size());
   const double least = known > kPi / texel ? std::max(known, 0.5 * known + kPi / texel) : known;
   return {left, std::max(least, turns / (kOfWave * texel))};
@@ -211,7 +211,7 @@ double tail_of(std::span<const double> energies) {
   return tail / static_cast<double>(quarter);
 }
 
-/// The same of near sums, over faces that were halved: of the near part of each degree's lobe.
+/// Returns the square of what near sums lose over faces that were halved: of the near part of each degree's lobe.
 double near_square(const MipPlan& mip, const SpectralSource& source) {
   if (mip.near.face == 0 || mip.near.face >= source.face_size) return 0.0;
   const auto degrees = static_cast<int>(4.0 / mip.alpha);
@@ -283,7 +283,7 @@ double spectral_square(const MipPlan& mip, std::span<const double> energies, con
   return sum + square_beyond(beyond, mip, lobe, counted * tail);
 }
 
-/// What a narrow mip's weights err by over its root mean square: a share of the steps that grows with alpha for
+/// Error of a narrow mip's weights over its root mean square: a share of the steps that grows with alpha for
 /// cubemaps and with its root for lat-longs, and the places of lines in floats, no more in all than the error of any
 /// weight.
 double error_of_weights(const MipPlan& mip, const SpectralSource& source, double rms) {
@@ -352,7 +352,7 @@ double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
   mip.bands.zonal = mip.lobe->spectrum(bands);
   for (int l = 0; l < bands && mip.lobe->last_band() == 0; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
-  // what is dark beside lights is to be right too
+  // The dark next to lights is to be right too.
   const double rest = blurred_rms(source.energies, mip.bands.zonal);
   return spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
 }

@@ -1,4 +1,4 @@
-// How far a spectral mip is from the truth, by what its factors leave out of the image's own spectrum.
+// Estimates how far a spectral mip is from the reference, by what its factors leave out of the image's own spectrum.
 #pragma once
 
 #include <span>
@@ -24,7 +24,7 @@ struct EnergyBeyond {
   double degree = 0.0;
 };
 
-/// Sums over an image of at most 24576 texels: larger ones are not looked through.
+/// Sums over an image of at most 24576 texels: larger ones are not summed.
 struct ImageSums {
   /// `rings`: on which the cubemap is read.
   ImageSums(const SourceRows& faces, int rings);
@@ -39,7 +39,7 @@ struct ImageSums {
   double ring = 0.0;    ///< radians of a ring's height; 0: of a lat-long
 };
 
-/// What spectral mips are made of.
+/// The image that spectral mips are made of, as it was read.
 struct SpectralSource {
   std::span<const double> energies;  ///< of what was left in the image
   int face_size = 0;                 ///< of a cubemap; 0: the image is a lat-long
@@ -74,10 +74,10 @@ struct SpectralSource {
                                    const std::vector<BrightTexel>& lights);
 
 /// Returns what the end of a GGX mip's bands leaves of such an image far from what is bright, root mean square over
-/// the sphere: mostly by the lobe's kink at the horizon, a quarter of a turn away, where it may be dark.
+/// the sphere: mostly by the lobe's kink at the horizon, 90 degrees away, where it may be dark.
 [[nodiscard]] double truncated_afar(const MipPlan& mip, std::span<const double> energies);
 
-/// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the bound that was asked for.
+/// Throws `Error` (limit_exceeded): the estimate of `what`, a spectral mip, is above the requested bound.
 [[noreturn]] void refuse_rms_error(double estimate, double rms_error, const std::string& what);
 
 /// Returns the root mean square over the sphere of an image of these energies whose degrees are multiplied by `zonal`.

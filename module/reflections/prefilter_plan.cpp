@@ -36,12 +36,12 @@ void require_known(const char* what, Enumeration value, Enumeration last) {
          std::string("the ") + what + " " + std::to_string(number) + " is unknown; pass one of the enumerators");
 }
 
-void check_error_bound(const char* what, double value, double least, PrefilterMethod method) {
+void check_error_bound(const char* what, double value, double minimum, PrefilterMethod method) {
   if (!(value > 0.0 && value <= 1.0))
     refuse(ErrorCode::invalid_argument,
            std::string(what) + " is " + platform::number_text(value) + "; it must be above 0, at most 1");
-  if (value >= least || method == PrefilterMethod::reference) return;
-  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (least < 5e-6 ? "1e-6" : "1e-5") +
+  if (value >= minimum || method == PrefilterMethod::reference) return;
+  refuse(ErrorCode::limit_exceeded, std::string(what) + " below " + (minimum < 5e-6 ? "1e-6" : "1e-5") +
                                         " is more than float arithmetic gives; the reference method has no bound");
 }
 
@@ -55,7 +55,7 @@ void check_lobe(const PrefilterOptions& options) {
 }
 
 double least_roughness(LobeFamily lobe) noexcept {
-  constexpr double kMinPhongRoughness = 0.12;  // below, a power asks for too many harmonics
+  constexpr double kMinPhongRoughness = 0.12;  // below, a power needs too many harmonics
   if (lobe == LobeFamily::charlie) return kMinCharlieRoughness;
   return lobe == LobeFamily::phong || lobe == LobeFamily::blinn ? kMinPhongRoughness : 0.0;
 }
@@ -196,7 +196,7 @@ int first_bands(const Lobe& lobe, double rms_error) {
       if (lost > kShare * kOfBound * rms_error * rms_error) break;
       --bands;
     }
-    // What lies beyond is at most about as much as what lies in the last third: a spectrum that falls like l^-1/2, as
+    // The part beyond is at most about as much as what lies in the last third: a spectrum that falls like l^-1/2, as
     // slowly as any (docs/maths/reflections.md), makes terms of l^-3, of which 0.8 times as many lie beyond L as from
     // 2 L / 3 to L. Kinks' l^-5/2 makes it a tenth.
     if (bands < looked_at * 2 / 3 || looked_at == most)

@@ -1,4 +1,4 @@
-// What each mip of a prefiltered cubemap is, and how it will be made: decided before any pixel is read.
+// The plan of each mip of a prefiltered cubemap, and of how it will be made: decided before any pixel is read.
 #pragma once
 
 #include <algorithm>
@@ -49,18 +49,18 @@ struct PrefilterPlan {
   std::vector<MipPlan> mips;   ///< that are made
   int first_mip = 0;           ///< the first of them, counted in the whole chain
   double reach = 0.0;          ///< of lights, see `reach_for`
-  ErrorBounds bounds;          ///< asked for
+  ErrorBounds bounds;          ///< requested
   LookupFormula lookups;       ///< of the whole chain
   bool may_integrate = false;  ///< whether mips that harmonics do not bring within the bounds may be integrated
   int tightenings = 0;         ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
-  /// Of the transform that all spectral mips share; 0: none is made. Of the whole chain, as which rings take part and
-  /// in which groups they are summed follows from it: coefficients of low bands round otherwise in a transform of
-  /// fewer.
+  /// Bands of the transform that all spectral mips share; 0: none is made. Those of the whole chain, as which rings
+  /// take part and in which groups they are summed follows from it: coefficients of low bands round otherwise in a
+  /// transform of fewer.
   int bands = 0;
 
-  // Of the whole chain's spectral mips, as a mip must not change where others are left out.
-  double light_alpha = 1.0;  ///< `Lobe::light_alpha`: decides which texels are taken out
+  // Values of the whole chain's spectral mips, as a mip must not change where others are left out.
+  double light_alpha = 1.0;  ///< `Lobe::light_alpha`: decides which texels are extracted
   LightLobes lights;         ///< decide how those are cut into lights
 
   /// The family of lobes that options name, and of all but GGX what decides each lobe of the whole chain: roughness or
@@ -68,11 +68,11 @@ struct PrefilterPlan {
   LobeFamily family = LobeFamily::ggx;
   std::vector<std::vector<double>> family_numbers;
 
-  /// Of the whole chain's spectral mips, as all of them decide how many bands this image takes.
+  /// Lobes of the whole chain's spectral mips, as all of them decide how many bands this image takes.
   std::vector<std::shared_ptr<const Lobe>> spectral_lobes;
   std::vector<int> spectral_sizes;  ///< of their mips
 
-  /// Of GGX lobes: alpha of the lobe as narrow as the finest that harmonics make, which decides a cubemap's rings.
+  /// Alpha of the GGX lobe that is as narrow as the finest that harmonics make, which decides a cubemap's rings.
   double ring_alpha = 1.0;
   std::vector<MipPlan> near_mips;  ///< of the whole chain's spectral mips, those with near sums
 
@@ -81,14 +81,14 @@ struct PrefilterPlan {
   std::optional<MipPlan> irradiance;
   ErrorBounds irradiance_bounds;
 
-  /// Takes the image's energies (`whole_energies`), for those who keep mips; null: nobody wants them.
+  /// Receives the image's energies (`whole_energies`), for callers that keep mips; null: not needed.
   std::shared_ptr<std::vector<float>> energies;
 
-  /// Of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
+  /// Size of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
   int near_far_size = 0;
 
-  /// The plan without so many mips at either end. The others keep their bits: all that they depend on stays that of the
-  /// whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
+  /// Returns the plan without so many mips at either end. The others keep their bits: all that they depend on stays
+  /// that of the whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.
@@ -99,7 +99,7 @@ struct PrefilterPlan {
   /// bands the image decides: step 0 is where it begins, any other no image makes it exceed.
   [[nodiscard]] PrefilterPlan at_step(int step, const ImageShape& image) const;
 
-  /// Whether a mip is made by this method.
+  /// Returns whether a mip is made by this method.
   [[nodiscard]] bool uses(MipMethod method) const noexcept;
 
   /// Rows of the lat-long, twice as wide, that a cubemap goes through on its way to harmonics: `rings_within` the

@@ -24,11 +24,11 @@ constexpr double kEndOversampling = 2.0;   ///< of the synthesis' rings, for spe
 constexpr double kFarOversampling = 1.2;   ///< for narrow lobes' far parts, which have little at their end
 constexpr double kMinHalvedTexels = 64.0;  ///< texels of halved faces at the default bounds
 
-int halved_to(int face, double least, const ErrorBounds& bounds) noexcept {
-  // texels beside the edges of coarser ones gain or lose too much
+int halved_to(int face, double minimum, const ErrorBounds& bounds) noexcept {
+  // texels next to the edges of coarser ones gain or lose too much
   const double looser = std::max(1.0, std::min(bounds.rms / 1e-3, bounds.maximum / 1e-2));
-  least = std::max(least, kMinHalvedTexels / std::sqrt(looser));
-  while (can_be_halved(face) && face >= 2.0 * least) face /= 2;
+  minimum = std::max(minimum, kMinHalvedTexels / std::sqrt(looser));
+  while (can_be_halved(face) && face >= 2.0 * minimum) face /= 2;
   return face;
 }
 
@@ -56,9 +56,9 @@ bool PrefilterPlan::uses(MipMethod method) const noexcept {
 
 int PrefilterPlan::face_for_cubemap(int face) const noexcept {
   const bool ggx = lights.of == LightsOf::ggx;
-  const double least = ggx ? face_texels_within(ring_alpha, bands_for_dark(tight()), tight())
-                           : face_texels_within(alpha_of_bands(bands), bands, {});
-  return halved_to(face, least, ggx ? tight() : ErrorBounds{});
+  const double minimum = ggx ? face_texels_within(ring_alpha, bands_for_dark(tight()), tight())
+                             : face_texels_within(alpha_of_bands(bands), bands, {});
+  return halved_to(face, minimum, ggx ? tight() : ErrorBounds{});
 }
 
 int PrefilterPlan::rows_for_cubemap() const noexcept {
@@ -93,9 +93,9 @@ int bands_of_step(double alpha, const ErrorBounds& bounds, int tightenings) {
 /// a share of the square of their size.
 int face_of_near_sums(int face, double alpha, const ErrorBounds& bounds) {
   const double bound = least_of(bounds);
-  const int least = bound > 5e-4 ? 14 : bound > 5e-5 ? 28 : 56;
+  const int minimum = bound > 5e-4 ? 14 : bound > 5e-5 ? 28 : 56;
   int near = halved_to(face, face_texels_within(alpha, 0, bounds), bounds);
-  while (near < least) near *= 2;
+  while (near < minimum) near *= 2;
   return near;
 }
 
@@ -142,13 +142,13 @@ bool share_bands(PrefilterPlan& plan, std::vector<MipPlan>& mips) {
 PrefilterPlan with_near_sums(PrefilterPlan plan, int face) {
   constexpr double kMinBound = 9e-5;
   if (!plan.may_integrate || plan.bands == 0 || least_of(plan.bounds) < kMinBound || face % 2 != 0) return plan;
-  std::vector<MipPlan> own;
+  std::vector<MipPlan> spectral;
   for (std::size_t k = 0; k < plan.spectral_lobes.size(); ++k)
-    own.push_back(split_where_cheaper(plan, plan.spectral_lobes[k], plan.spectral_sizes[k], face));
+    spectral.push_back(split_where_cheaper(plan, plan.spectral_lobes[k], plan.spectral_sizes[k], face));
   PrefilterPlan split = plan;
-  while (!share_bands(split, own)) {
+  while (!share_bands(split, spectral)) {
   }
-  for (MipPlan& mip : own) {
+  for (MipPlan& mip : spectral) {
     if (mip.near.face == 0) continue;
     mip.bands.zonal.assign(static_cast<std::size_t>(split.bands), 0.0);
     for (MipPlan& made : split.mips) {

@@ -14,10 +14,10 @@ using simd::kNarrowWidth, simd::kWidth, simd::Lanes, simd::NarrowLanes, simd::Qu
 constexpr int kRegisters = kRecordFloats / kWidth;
 constexpr int kShareRegisters = kShareLanes / kNarrowWidth;
 
-/// Registers that are summed at a time: as many as the processor has room for beside the products.
+/// Registers that are summed at a time: as many as the processor has in addition to those of the products.
 constexpr int kAtATime = kRegisters < 6 ? kRegisters : 6;
 
-void sum_ring_taps(const RingRun& run, const RingLayout& places) {
+void sum_ring_taps(const RingRun& run, const RingLayout& layout) {
   alignas(64) float sums[kRecordFloats];
   for (int k = 0; k < run.count; ++k) {
     const RingTap* const first = run.taps + run.ends[k];
@@ -33,7 +33,7 @@ void sum_ring_taps(const RingRun& run, const RingLayout& places) {
       for (int r = 0; r < kAtATime; ++r) sum[r].store_aligned(sums + (part + r) * kWidth);
     }
     for (int image = 0; image < kRingImages; ++image) {
-      float* const to = places.to[image] + places.step[image] * k;
+      float* const to = layout.to[image] + layout.step[image] * k;
       to[0] = sums[3 * image];
       to[1] = sums[3 * image + 1];
       to[2] = sums[3 * image + 2];
@@ -99,7 +99,7 @@ void halve_row(const HalvedRow& row, float* rgb) {
 
 /// `kPoints` at once, so that the processor need not wait for each sum.
 template <int kPoints>
-void evaluate_points(const float* coefficients, const int* cells, const float* places, float* values) {
+void evaluate_points(const float* coefficients, const int* cells, const float* points, float* values) {
   const float* from[kPoints];
   NarrowLanes sums[kPoints][kShareRegisters];
   for (int i = 0; i < kPoints; ++i) {
@@ -108,10 +108,10 @@ void evaluate_points(const float* coefficients, const int* cells, const float* p
   }
   for (int power = 1; power < kSharePowers; ++power) {
     for (int i = 0; i < kPoints; ++i) {
-      const NarrowLanes place(places[i]);
+      const NarrowLanes point(points[i]);
       for (int r = 0; r < kShareRegisters; ++r) {
         const float* const next = from[i] + power * kShareLanes + r * kNarrowWidth;
-        sums[i][r] = sums[i][r] * place + NarrowLanes::load_unaligned(next);
+        sums[i][r] = sums[i][r] * point + NarrowLanes::load_unaligned(next);
       }
     }
   }
@@ -120,12 +120,12 @@ void evaluate_points(const float* coefficients, const int* cells, const float* p
   }
 }
 
-void evaluate_shares(const float* coefficients, const int* cells, const float* places, int count, float* values) {
+void evaluate_shares(const float* coefficients, const int* cells, const float* points, int count, float* values) {
   constexpr int kTogether = kShareRegisters == 1 ? 4 : 2;
   int i = 0;
   for (; i + kTogether <= count; i += kTogether)
-    evaluate_points<kTogether>(coefficients, cells + i, places + i, values + i * kShareLanes);
-  for (; i < count; ++i) evaluate_points<1>(coefficients, cells + i, places + i, values + i * kShareLanes);
+    evaluate_points<kTogether>(coefficients, cells + i, points + i, values + i * kShareLanes);
+  for (; i < count; ++i) evaluate_points<1>(coefficients, cells + i, points + i, values + i * kShareLanes);
 }
 
 // With F_c(x) the integral of column c's share from before all columns up to the longitude x, a part from x0 to x1
@@ -134,7 +134,7 @@ void evaluate_shares(const float* coefficients, const int* cells, const float* p
 // times widths are the Gauss rule for the same integrals. Their difference from `wanted` goes to both points alike: a
 // part's sum over its points is exact, and each point has its own rings.
 void share_columns(const ColumnShares& shares, int* columns, float* across) {
-  constexpr int kPlaces = 2 * kShareLanes;  // a point's columns end within a part's eight
+  constexpr int kColumns = 2 * kShareLanes;  // a point's columns end within a part's eight
   const float* point = shares.point_shares;
   for (int part = 0; part < shares.count; ++part) {
     const int lower = 2 * part + (shares.falling ? 1 : 0);
@@ -143,7 +143,7 @@ void share_columns(const ColumnShares& shares, int* columns, float* across) {
     const float* const high = shares.end_shares + std::ptrdiff_t{kShareLanes} * upper;
     const int first = shares.end_columns[lower];
     const int reach = shares.end_columns[upper] - first;
-    float wanted[kPlaces] = {};
+    float wanted[kColumns] = {};
     for (int k = 0; k < reach && k < kShareLanes; ++k) wanted[k] = 1.0F;
     for (int k = 0; k < kSpread && reach + k < kShareLanes; ++k) wanted[reach + k] = high[k];
     for (int k = 0; k < kSpread; ++k) wanted[k] -= low[k];
@@ -151,7 +151,7 @@ void share_columns(const ColumnShares& shares, int* columns, float* across) {
     for (int k = 0; k < kShareLanes; ++k) sums[k] = wanted[k];
     float* const to = across + std::ptrdiff_t{kPartPoints * kShareLanes} * part;
     for (int i = 0; i < kPartPoints; ++i, point += kShareLanes) {
-      float moved[kPlaces] = {};
+      float moved[kColumns] = {};
       int offset = shares.point_columns[kPartPoints * part + i] - first;
       offset = offset < 0 ? 0 : (offset > kShareLanes - kSpread ? kShareLanes - kSpread : offset);
       const float width = shares.widths[kPartPoints * part + i];

@@ -9,7 +9,7 @@
 
 namespace welkin::reflections {
 
-/// A sixteenth of the sphere has so many mirror images and quarter turns, itself one of them; a record is a texel of it
+/// Mirror images and quarter turns of a sixteenth of the sphere, itself one of them; a record is a texel of it
 /// as all images have it, [image][red, green, blue].
 inline constexpr int kRingImages = 16;
 inline constexpr int kRecordFloats = 3 * kRingImages;
@@ -46,9 +46,9 @@ struct RingLayout {
 
 /// Shares of texels that lie 7/4, 5/4, 3/4 and 1/4 of a large texel from its middle.
 inline constexpr float kHalvedShares[4] = {-6.0F / 128.0F, -10.0F / 128.0F, 34.0F / 128.0F, 110.0F / 128.0F};
-/// The same shares by what would lie beyond the face's edge, once and twice: parabolas through the first
-/// three within it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange
-/// polynomials of the places 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
+/// Coefficients of what would lie beyond the face's edge, once and twice: parabolas through the first three within
+/// it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange polynomials of
+/// the positions 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
 inline constexpr int kFolded = 3;
 inline constexpr float kFirstBeyond[kFolded] = {3.0F, -3.0F, 1.0F};
 inline constexpr float kSecondBeyond[kFolded] = {6.0F, -8.0F, 3.0F};
@@ -135,7 +135,7 @@ struct RingCells {
 /// Calls `take(cells, k)` for the parts of `columns` columns of a ring from `first` on that lie in one sixteenth each,
 /// k columns further on. `first` is above -8 `width`.
 ///
-/// Ring -1 - r beyond the pole is ring r half a turn on, which is 4 widths of an eighth each. Below the equator rings
+/// Ring -1 - r beyond the pole is ring r 180 degrees on, which is 4 widths of an eighth each. Below the equator rings
 /// are mirror images of those above it. Every second eighth of a turn is the mirror image of the one next to it about
 /// the line between them, so its columns run backwards; the image's number is that of `image::cube_image_of`.
 template <class Take>
@@ -170,7 +170,7 @@ struct RingBand {
 
 struct RingKernels {
   /// Sums of weight times record, tap after tap.
-  void (*sum_ring_taps)(const RingRun& run, const RingLayout& places);
+  void (*sum_ring_taps)(const RingRun& run, const RingLayout& layout);
 
   /// light[k] = radiance[k] steradians[k].
   void (*weigh_light)(const float* radiance, const float* steradians, int count, float* light);
@@ -178,9 +178,9 @@ struct RingKernels {
   /// Light of the rows times their shares, row after row; then along the row as `halved_faces` shares it out.
   void (*halve_row)(const HalvedRow& row, float* rgb);
 
-  /// values[i][k] = the polynomial of cell cells[i] and neighbour k at places[i]. `coefficients`:
+  /// values[i][k] = the polynomial of cell cells[i] and neighbour k at points[i]. `coefficients`:
   /// [cell][power][neighbour], the highest power first.
-  void (*evaluate_shares)(const float* coefficients, const int* cells, const float* places, int count, float* values);
+  void (*evaluate_shares)(const float* coefficients, const int* cells, const float* points, int count, float* values);
 
   /// The points' shares times widths, moved to a part's columns and made to add up to what the ends say.
   void (*share_columns)(const ColumnShares& shares, int* columns, float* across);

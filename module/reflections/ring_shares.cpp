@@ -20,19 +20,19 @@ constexpr std::size_t kCells = kSpread - 1;  ///< that take a point's light, of 
 
 using Polynomial = std::array<double, kSharePowers>;  ///< the lowest power first
 
-/// [cell][power of the place]: the inverse of the means of powers over the cells about an edge.
+/// [cell][power of the position]: the inverse of the means of powers over the cells about an edge.
 ///
 /// With A[k][j] the mean of x^j over cell k and B the inverse, w_k(x) = Sum_j B[j][k] x^j are shares whose light, as
 /// areas of the cells, has the moments Sum_k w_k A[k][i] = Sum_j x^j Sum_k B[j][k] A[k][i] = x^i, i = 0 to 3: those of
 /// a point at x, so that every cubic keeps its value there. The fourth moment of columns differs from x^4 by -10/21 in
-/// the mean over all places of `blended` shares (-0.8 at most), in cells: a wave of k radians per cell loses 10/21 k^4
+/// the mean over all points of `blended` shares (-0.8 at most), in cells: a wave of k radians per cell loses 10/21 k^4
 /// / 24 = 0.0198 k^4 along an axis. Columns narrow with the sine of the polar angle, whose fourth power has the mean
 /// 8/15 over the sphere, and the cosine's of a wave's direction has 3/8: degree l loses 0.0198 3/8 (1 + 8/15) (l h)^4 =
 /// 0.0114 (l h)^4, h a ring's height. `kSpreadOrder`, a fit, is 0.012.
 using Spreading = glm::dmat4;
 static_assert(kCells == 4);
 
-/// `density(x)`: light at a place, counted in cells from the edge. Beyond a pole it is below 0, and so is a cell's sum.
+/// `density(x)`: light at a point, counted in cells from the edge. Beyond a pole it is below 0, and so is a cell's sum.
 template <class Density>
 Spreading spreading_by(const Density& density) {
   const math::GaussRule rule = math::gauss_legendre(6);
@@ -95,7 +95,7 @@ double at_end(const Polynomial& p) {
 }
 
 /// From one group's shares to the next one's where a point is half way through a cell, so that all shares are smooth;
-/// of the place from the middle of the cell in the middle. Both groups have the point's moments, so every mean of
+/// of the point from the middle of the cell in the middle. Both groups have the point's moments, so every mean of
 /// theirs has them too; the quintic's first and second derivative are 0 at both ends. Its product with a cubic has the
 /// degree 8, and 9 when it is integrated; times a cubic for the sine, 11 and 12: `kSharePowers` is 13.
 std::array<Polynomial, kSpread> blended(const Spreading& before, const Spreading& after) {
@@ -124,10 +124,10 @@ void write(const std::array<Polynomial, kSpread>& shares, float* to) {
   }
 }
 
-/// What the rings about a cell get of uniform light on it, from the cell's upper edge to a place.
+/// The light that the rings about a cell get of uniform light on it, from the cell's upper edge to a position.
 using CellLight = std::array<Polynomial, kSpread>;
 
-/// Of a column's width; rings go on beyond the pole and the equator.
+/// Returns the area of a ring's texel over the width of its column; rings go on beyond the pole and the equator.
 double area_of(int ring, int rows) {
   const int real = ring < 0 ? -1 - ring : std::min(ring, rows - 1 - ring);
   return image::lat_long_texel_solid_angle(2 * rows, rows, real) * rows / std::numbers::pi;
@@ -170,7 +170,7 @@ void even_out(std::vector<CellLight>& light, int rows) {
   };
   for (int ring = 0; ring < std::min(kPolarRings, rows / 4); ++ring) {
     const int reach = ring + kMiddle;
-    // ring -1 - ring, beyond the pole, is the same ring half a turn on
+    // ring -1 - ring, beyond the pole, is the same ring 180 degrees on
     const double excess = received(ring, 0, reach) + received(-1 - ring, 0, reach) - area_of(ring, rows);
     // Cells that give light to both rings.
     const int first_cell = std::max(0, ring + 1 - kMiddle);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMiddle = kSpread / 2;
 // A part of an edge that crosses three lines between columns reaches 3 + `kSpread` of them, which are `kShareLanes`.
-// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + place^2) changes by a factor of 2
+// Parts are even along the edge and not in longitude, whose density 1 / (distance^2 + along^2) changes by a factor of 2
 // from the middle of a face's line to its diagonal: hence half of three. Along the first edge of a line that runs away
 // from the middle of +Y it changes by a factor of 5/2, or 5 in odd faces (`EdgeLine::cut` allows for it).
 constexpr double kPartCells = 1.5;  ///< that a part of an edge may cross: its columns fit in `kShareLanes`
@@ -23,17 +23,17 @@ constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two point
 constexpr int kEighths = 8;                          ///< of a turn: the columns of a sixteenth
 
 /// Places in cells as a cell and what is left, from its middle.
-void split(const double* places, int count, int last_cell, int* cells, float* rest) {
+void split(const double* positions, int count, int last_cell, int* cells, float* rest) {
   for (int i = 0; i < count; ++i) {
-    cells[i] = std::clamp(static_cast<int>(places[i]), 0, last_cell);
-    rest[i] = static_cast<float>(places[i] - cells[i] - 0.5);
+    cells[i] = std::clamp(static_cast<int>(positions[i]), 0, last_cell);
+    rest[i] = static_cast<float>(positions[i] - cells[i] - 0.5);
   }
 }
 
 }  // namespace
 
 /// Edges of texels, cut into parts, and what their points give. An edge lies on a line at a distance from the axis, and
-/// reaches along it from one place to another, seen from above at a height.
+/// reaches along it from one position to another, seen from above at a height.
 class RingWeights::EdgeLine {
  public:
   EdgeLine(const RingWeights& weights, std::size_t edges, std::size_t parts)
@@ -43,7 +43,7 @@ class RingWeights::EdgeLine {
       values = reinterpret_cast<std::remove_reference_t<decltype(values)>>(next);
       next += count * parts * sizeof(*values);
     };
-    for (double** values : {&ends_, &distances_, &places_, &horizontals_}) take(*values, kPartPoints);
+    for (double** values : {&ends_, &distances_, &positions_, &horizontals_}) take(*values, kPartPoints);
     for (float** values : {&end_shares_, &point_shares_, &across_, &along_}) take(*values, kPartPoints * kShareLanes);
     for (float** values : {&rest_, &widths_}) take(*values, kPartPoints);
     for (int** values : {&end_cells_, &point_cells_, &rings_, &all_alike_}) take(*values, kPartPoints);
@@ -61,7 +61,7 @@ class RingWeights::EdgeLine {
   [[nodiscard]] Edge& edge(int index) noexcept { return edges_[static_cast<std::size_t>(index)]; }
 
   /// `mirrored`: lines that run away from the middle of the face, whose longitudes count from the other end of a
-  /// quarter of a turn.
+  /// quadrant.
   void cut(int first, int end, double height, bool mirrored);
   /// Rings of points of this or of another cut line, for edges of the latter.
   void find_rings(const EdgeLine& line, int first, int end, double height);
@@ -74,14 +74,14 @@ class RingWeights::EdgeLine {
   }
 
  private:
-  /// places = the angles of ends_ over distances_, in columns.
+  /// Sets positions_ to the angles of ends_ over distances_, in columns.
   void find_longitudes(int count, bool mirrored);
 
   const RingWeights& weights_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> first_parts_;
   platform::AlignedBuffer<std::byte> memory_;  ///< of all that is below
-  double *ends_, *distances_, *places_, *horizontals_;
+  double *ends_, *distances_, *positions_, *horizontals_;
   float *end_shares_, *point_shares_, *across_, *along_, *rest_, *widths_;
   int *end_cells_, *point_cells_, *rings_, *columns_;
   int* all_alike_;  ///< columns' shares are those of one cell
@@ -89,10 +89,10 @@ class RingWeights::EdgeLine {
 
 void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
   // the angle from the middle of the face's line; a line that runs away from there is seen from the other axis
-  weights_.find_angles(ends_, distances_, count, places_);
+  weights_.find_angles(ends_, distances_, count, positions_);
   if (!mirrored) return;
   const double quarter = 0.25 * weights_.columns_;
-  for (int i = 0; i < count; ++i) places_[i] = quarter - places_[i];
+  for (int i = 0; i < count; ++i) positions_[i] = quarter - positions_[i];
 }
 
 void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored) {
@@ -101,8 +101,8 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
   // The angles at an edge's ends tell the number of its parts.
   std::size_t k = 0;
   for (int index = first; index < end; ++index) {
-    for (const double place : {edge(index).from, edge(index).to}) {
-      ends_[k] = place;
+    for (const double position : {edge(index).from, edge(index).to}) {
+      ends_[k] = position;
       distances_[k++] = edge(index).distance;
     }
   }
@@ -112,11 +112,11 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
   for (int index = first; index < end; ++index) {
     const Edge& here = edge(index);
     const auto at = static_cast<std::size_t>(2 * (index - first));
-    const double across = std::abs(places_[at + 1] - places_[at]);
+    const double across = std::abs(positions_[at + 1] - positions_[at]);
     const double low = here.distance * here.distance + height * height;
-    // The polar angle is p = atan(g / height), g = sqrt(distance^2 + place^2), so along the line
-    //   dp / dplace = place height / (g (height^2 + g^2)).
-    // place / g rises and 1 / (height^2 + g^2) falls with the place: the ring's change is at most (to - from) times the
+    // With x the position on the line, the polar angle is p = atan(g / height), g = sqrt(distance^2 + x^2), so that
+    //   dp / dx = x height / (g (height^2 + g^2)).
+    // x / g rises and 1 / (height^2 + g^2) falls with x: the ring's change is at most (to - from) times the
     // former at `to` and the latter at `from`. On a side face g >= 1 >= height, where this rises with the height, so
     // that the height 1 of the face's edge bounds all lines.
     const double reach = (here.to - here.from) * here.to * height /
@@ -137,8 +137,8 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
     for (std::uint32_t i = 0; i < count; ++i) {
       const double low = i == 0 ? here.from : here.from + i * step;
       const double high = i + 1 == count ? here.to : here.from + (i + 1) * step;
-      for (const double place : {low, high}) {
-        ends_[k] = place;
+      for (const double position : {low, high}) {
+        ends_[k] = position;
         distances_[k++] = here.distance;
       }
     }
@@ -147,23 +147,23 @@ void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored
   find_longitudes(count, mirrored);
   const RingShares& shares = weights_.shares_;
   const int last_column = 2 * weights_.rows_;
-  split(places_, count, last_column, end_cells_, rest_);
+  split(positions_, count, last_column, end_cells_, rest_);
   weights_.kernels_.evaluate_shares(shares.columns_before.data(), all_alike_, rest_, count, end_shares_);
   for (std::size_t i = 0; i < k; i += 2) {
     const double middle = 0.5 * (ends_[i] + ends_[i + 1]);
     const double half = 0.5 * (ends_[i + 1] - ends_[i]);
     for (std::size_t point = i; point < i + 2; ++point) {
-      const double place = middle + (point == i ? -kGaussPoint : kGaussPoint) * half;
-      const double square = distances_[point] * distances_[point] + place * place;
-      ends_[point] = place;
+      const double along = middle + (point == i ? -kGaussPoint : kGaussPoint) * half;
+      const double square = distances_[point] * distances_[point] + along * along;
+      ends_[point] = along;
       horizontals_[point] = std::sqrt(square);
-      // the longitude is atan(place / distance), whose slope is distance / (distance^2 + place^2); half the part's
+      // the longitude is atan(along / distance), whose slope is distance / (distance^2 + along^2); half the part's
       // length stands for each of the two points
       widths_[point] = static_cast<float>(per_column * half * distances_[point] / square);
     }
   }
   find_longitudes(count, mirrored);
-  split(places_, count, last_column, point_cells_, rest_);
+  split(positions_, count, last_column, point_cells_, rest_);
   weights_.kernels_.evaluate_shares(shares.columns.data(), all_alike_, rest_, count, point_shares_);
   weights_.kernels_.share_columns(
       {end_cells_, end_shares_, point_cells_, point_shares_, widths_, count / kPartPoints, mirrored}, columns_,
@@ -176,13 +176,13 @@ void RingWeights::EdgeLine::find_rings(const EdgeLine& line, int first, int end,
   const auto count = static_cast<int>(std::size_t{kPartPoints} * line.first_part(end) - from);
   std::fill_n(distances_, count, height);
   // the polar angle atan(horizontal / height), in rings
-  weights_.find_angles(line.horizontals_ + from, distances_, count, places_);
-  split(places_, count, weights_.rows_ / 2, rings_ + from, rest_);
+  weights_.find_angles(line.horizontals_ + from, distances_, count, positions_);
+  split(positions_, count, weights_.rows_ / 2, rings_ + from, rest_);
   weights_.kernels_.evaluate_shares(weights_.shares_.rings_before.data(), rings_ + from, rest_, count,
                                     along_ + kShareLanes * from);
 }
 
-/// What one thread needs for itself.
+/// The scratch of one thread.
 class RingWeights::Workspace {
  public:
   explicit Workspace(const RingWeights& weights);
@@ -271,7 +271,7 @@ void RingWeights::find_corners() {
   std::vector<double> angles(edge);
   const auto find = [&](int* to) {
     find_angles(y.data(), x.data(), texels_ + 1, angles.data());
-    std::transform(angles.begin(), angles.end(), to, [](double place) { return static_cast<int>(place); });
+    std::transform(angles.begin(), angles.end(), to, [](double angle) { return static_cast<int>(angle); });
   };
   side_columns_.resize(edge);
   for (std::vector<int>* list : {&side_rings_, &top_rings_, &top_columns_}) list->resize(edge * edge);

@@ -1,4 +1,4 @@
-// What each texel of a cubemap gives to rings of latitude, made band after band.
+// Weights of each texel of a cubemap for rings of latitude, made band after band.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@ namespace welkin::reflections {
 /// Polynomials of the shares that the `kSpread` cells about a point have of its light: along both axes in such shares
 /// that the moments below `kSpread` - 1 are the point's own (about the poles nearly so: uniform light is uniform
 /// there). They pass smoothly from one `kSpread` - 1 neighbours to the next ones. All are [cell][power][lane],
-/// `kSharePowers` and `kShareLanes`, the highest power first, of the place from the cell's middle; lane k stands for
+/// `kSharePowers` and `kShareLanes`, the highest power first, of the point from the cell's middle; lane k stands for
 /// the cell k - `kSpread` / 2 further on.
 struct RingShares {
   /// `rows`: rings from pole to pole; twice as many columns.
   explicit RingShares(int rows);
 
   std::vector<float> columns;         ///< one cell: shares of the columns
-  std::vector<float> columns_before;  ///< one cell: their integrals, in columns, from before all of them to the place
+  std::vector<float> columns_before;  ///< one cell: their integrals, in columns, from before all of them to the point
   /// Cells 0 to rows / 2: shares of the rings over the ring's area, integrated over the sphere from the pole to the
-  /// place. Rings go on beyond the pole.
+  /// point. Rings go on beyond the pole.
   std::vector<float> rings_before;
-  std::vector<float> whole;  ///< of ring k - 2, to rows / 2 + 2: the same integral over all places
+  std::vector<float> whole;  ///< of ring k - 2, to rows / 2 + 2: the same integral over all points
 };
 
 /// The texels of a sixteenth of the cube, from -Z's middle towards +x and up to +Y, and the weights with which they and
@@ -52,7 +52,7 @@ class RingWeights {
     std::uint32_t record;
     int image;
   };
-  /// Those that come after the rows' texels.
+  /// Records that come after the rows' texels.
   [[nodiscard]] const std::vector<ImageRecord>& images() const noexcept { return images_; }
   [[nodiscard]] std::size_t record_count() const noexcept { return texel_count_ + images_.size(); }
 
@@ -68,7 +68,7 @@ class RingWeights {
   void weigh(int band, std::uint32_t* next, RingTap* taps) const;
 
   [[nodiscard]] std::size_t bytes() const noexcept;
-  /// A bound on what the object and so many threads in `weigh` take.
+  /// Returns a bound on the bytes of the object and of the threads in `weigh`.
   [[nodiscard]] static std::size_t making_bytes(int face_size, int rows, std::size_t threads) noexcept;
 
  private:

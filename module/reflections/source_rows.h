@@ -31,15 +31,15 @@ struct RecordCopy {
 
   void to(float* record, int image) const {
     int line = row;
-    int place = 3 * column;
+    int offset = 3 * column;
     const int last = image + 1 < kRingImages ? 3 * (columns - 1) : 0;
     record += std::ptrdiff_t{3} * image;
-    for (int k = 0; k < count; ++k, line += down, place += 3 * across, record += kRecordFloats) {
+    for (int k = 0; k < count; ++k, line += down, offset += 3 * across, record += kRecordFloats) {
       // a fourth float is overwritten by the next image
-      if (place < last)
-        std::memcpy(record, rows[line] + place, 4 * sizeof(float));
+      if (offset < last)
+        std::memcpy(record, rows[line] + offset, 4 * sizeof(float));
       else
-        std::memcpy(record, rows[line] + place, 3 * sizeof(float));
+        std::memcpy(record, rows[line] + offset, 3 * sizeof(float));
     }
   }
 };

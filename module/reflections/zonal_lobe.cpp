@@ -24,11 +24,11 @@ double power_of(double x, double power) noexcept {
   return x > 1e-300 ? math::exponential(power * math::logarithm(x)) : (power > 0.0 ? 0.0 : 1.0);
 }
 
-void require_number(const char* what, double value, double least, double most) {
-  if (value >= least && value <= most) return;
+void require_number(const char* what, double value, double minimum, double maximum) {
+  if (value >= minimum && value <= maximum) return;
   throw Error(ErrorCode::invalid_argument, std::string(what) + " is " + platform::number_text(value) +
-                                               "; it must be from " + platform::number_text(least) + " to " +
-                                               platform::number_text(most));
+                                               "; it must be from " + platform::number_text(minimum) + " to " +
+                                               platform::number_text(maximum));
 }
 
 std::shared_ptr<const reflections::Lobe> lobe_of(const std::function<double(double)>& value,

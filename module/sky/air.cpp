@@ -48,8 +48,8 @@ AirModel::AirModel(const Atmosphere& atmosphere)
   std::vector<double> breaks{0.0, thickness_};
   for (const Constituent* const matter : matter_) {
     if (!matters(*matter)) continue;
-    const std::vector<double> own = density_breaks(matter->density, thickness_);
-    breaks.insert(breaks.end(), own.begin(), own.end());
+    const std::vector<double> ends = density_breaks(matter->density, thickness_);
+    breaks.insert(breaks.end(), ends.begin(), ends.end());
     for (const DensityLayer& layer : matter->density) {
       const double slope = std::abs(layer.exponential_scale_per_m);
       // 1 / slope < scale_height_ without dividing by a slope of 0.
@@ -179,7 +179,7 @@ double unclamped(const DensityLayer& layer, double altitude) noexcept {
   return value;
 }
 
-/// Where the formula, monotone between `low` and `high`, passes `level`: by halving, to the last bit.
+/// Returns where the formula, monotone between `low` and `high`, passes `level`: by bisection, to the last bit.
 void add_crossing(const DensityLayer& layer, double level, double low, double high, std::vector<double>& breaks) {
   const double first = unclamped(layer, low);
   const double last = unclamped(layer, high);

@@ -132,7 +132,7 @@ std::vector<double> glow_table(const Atmosphere& atmosphere, double g, double fo
 }
 
 /// Returns the position of a depth among the nodes.
-Between place_of(double depth) {
+Between position_of(double depth) {
   const double x = std::max(0.0, depth);
   return between(std::min(x / (1.0 + x) / kDeepest, 1.0) * (kDepths - 1.0), static_cast<int>(kDepths));
 }
@@ -175,7 +175,7 @@ bool Aureole::glows() const noexcept {
 
 void Aureole::factors(const std::array<double, 3>& depths, float* values) const noexcept {
   for (std::size_t c = 0; c < 3; ++c) {
-    const Between point = place_of(depths[c]);
+    const Between point = position_of(depths[c]);
     const std::vector<double>& table = lobe(c).seen();
     for (std::size_t angle = 0; angle < kAureoleAngles; ++angle) {
       values[4 * angle + c] = static_cast<float>(value_at(table, angle, point));
@@ -186,7 +186,7 @@ void Aureole::factors(const std::array<double, 3>& depths, float* values) const 
 
 Aureole::Factors Aureole::factors(std::size_t channel, double cosine, double depth) const noexcept {
   const Lobe& lobe = this->lobe(channel);
-  const Between point = place_of(depth);
+  const Between point = position_of(depth);
   const double root = std::sqrt(std::sqrt(std::clamp(0.5 * (1.0 - cosine), 0.0, 1.0)));
   const Between angle = between(root * (kAureoleAngles - 1), kAureoleAngles);
   const auto at = [&](const std::vector<double>& table) {

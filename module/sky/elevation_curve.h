@@ -18,12 +18,12 @@ class CurveAxis {
   [[nodiscard]] int count() const noexcept { return count_; }
   [[nodiscard]] double sine(int node) const noexcept;
 
-  struct Place {
+  struct Position {
     int interval;
     double part;  ///< 0 to 1
   };
-  /// Below the lowest node as there.
-  [[nodiscard]] Place place(double sine) const noexcept;
+  /// Returns the position of a sine; below the lowest node as there.
+  [[nodiscard]] Position place(double sine) const noexcept;
 
  private:
   [[nodiscard]] double coordinate(double sine) const noexcept;
@@ -41,7 +41,7 @@ struct CurveValues {
   std::vector<double> values;
 
   /// Writes all functions' values at a position to `results`.
-  void at(const CurveAxis::Place& place, double* results) const noexcept;
+  void at(const CurveAxis::Position& position, double* results) const noexcept;
   [[nodiscard]] double& value(int node, std::size_t function) noexcept {
     return values[(static_cast<std::size_t>(node) * functions + function) * 2];
   }

@@ -109,11 +109,11 @@ NightLight::NightLight(const SkyTables& tables, double altitude_m) {
 
 glm::dvec3 NightLight::radiance(double zenith_cosine) const noexcept {
   if (nodes_.empty()) return glm::dvec3(0.0);
-  const Between place = between((zenith_cosine - lowest_) / (1.0 - lowest_) * (kNightNodes - 1), kNightNodes);
-  const float* const low = nodes_.data() + 4 * place.node;
+  const Between point = between((zenith_cosine - lowest_) / (1.0 - lowest_) * (kNightNodes - 1), kNightNodes);
+  const float* const low = nodes_.data() + 4 * point.node;
   glm::dvec3 rgb;
   for (int c = 0; c < 3; ++c) {
-    rgb[c] = static_cast<double>(low[c]) + place.part * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
+    rgb[c] = static_cast<double>(low[c]) + point.part * (static_cast<double>(low[4 + c]) - static_cast<double>(low[c]));
   }
   return rgb;
 }

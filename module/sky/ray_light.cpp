@@ -139,9 +139,9 @@ Glow::Glow(const std::vector<PhaseSpectrum>& spectra) {
 
 double Glow::at(std::size_t channel, double cosine) const noexcept {
   const std::vector<double>& values = values_[values_.size() > 1 ? channel : 0];
-  const Between place = between(angle_position(cosine, kGlowNodes), kGlowNodes);
-  const double low = values[place.node];
-  return low + place.part * (values[place.node + 1] - low);
+  const Between position = between(angle_position(cosine, kGlowNodes), kGlowNodes);
+  const double low = values[position.node];
+  return low + position.part * (values[position.node + 1] - low);
 }
 
 void ScatteringSource::set_steps() {

@@ -71,9 +71,9 @@ RayPanels::RayPanels(const AirModel& air) {
   static_cast<void>(collocation());  // made here, where memory may run out, and not inside a tile
 }
 
-void RayPanels::add(double place, double length) noexcept {
+void RayPanels::add(double distance, double length) noexcept {
   // Ends that rounding cannot tell apart would make panels of no length; distances come in rising order.
-  if (place > ends_.back() + 1e-12 * length && place < length * (1.0 - 1e-12)) ends_.push_back(place);
+  if (distance > ends_.back() + 1e-12 * length && distance < length * (1.0 - 1e-12)) ends_.push_back(distance);
 }
 
 // A sphere of altitude b is met where (R + b)^2 = r^2 + 2 r mu s + s^2, or s^2 + 2 (r mu) s - I = 0 with

@@ -33,7 +33,7 @@ class RayPanels {
   [[nodiscard]] const std::vector<double>& ends() const noexcept { return ends_; }
 
  private:
-  void add(double place, double length) noexcept;
+  void add(double distance, double length) noexcept;
   std::vector<double> ends_;
 };
 

@@ -367,10 +367,10 @@ void SourceSolver::march_ray(bool single, std::size_t height, std::size_t zenith
   if (single) {
     ray.place(air_, {altitude, cosine, ground, length}, group_);
     const std::span<const ScatteringPanel> panels = ray.panels(air_, group_, shape_, mapping_);
-    const std::size_t place = height * kZeniths + zenith;
-    panel_count_[place] = panels.size();
+    const std::size_t ray_index = height * kZeniths + zenith;
+    panel_count_[ray_index] = panels.size();
     if (panels.size() <= kKeptPanels) {
-      std::copy(panels.begin(), panels.end(), panels_.begin() + static_cast<std::ptrdiff_t>(place * kKeptPanels));
+      std::copy(panels.begin(), panels.end(), panels_.begin() + static_cast<std::ptrdiff_t>(ray_index * kKeptPanels));
     }
     add_sunlit(height, zenith, worker);
   } else {
@@ -401,10 +401,10 @@ void SourceSolver::add_sunlit(std::size_t height, std::size_t zenith, Worker& wo
 
 void SourceSolver::add_scattered(std::size_t height, std::size_t zenith, const Ray& ray, Worker& worker) {
   RayLight& light = worker.light;
-  const std::size_t place = height * kZeniths + zenith;
-  std::span<const ScatteringPanel> panels(panels_.data() + place * kKeptPanels,
-                                          std::min(panel_count_[place], kKeptPanels));
-  if (panel_count_[place] > kKeptPanels) {
+  const std::size_t ray_index = height * kZeniths + zenith;
+  std::span<const ScatteringPanel> panels(panels_.data() + ray_index * kKeptPanels,
+                                          std::min(panel_count_[ray_index], kKeptPanels));
+  if (panel_count_[ray_index] > kKeptPanels) {
     light.place(air_, ray, group_);
     panels = light.panels(air_, group_, shape_, mapping_);
   }

@@ -73,7 +73,7 @@ double CurveAxis::sine(int node) const noexcept {
   return std::clamp(horizon_ + t * std::sqrt(t * t + 2.0 * kWidth), -1.0, 1.0);
 }
 
-CurveAxis::Place CurveAxis::place(double sine) const noexcept {
+CurveAxis::Position CurveAxis::place(double sine) const noexcept {
   const double position = std::clamp((coordinate(sine) - first_) / step_, 0.0, static_cast<double>(count_ - 1));
   const int interval = std::min(static_cast<int>(position), count_ - 2);
   return {interval, position - interval};
@@ -81,14 +81,14 @@ CurveAxis::Place CurveAxis::place(double sine) const noexcept {
 
 // Hermite's basis (1 - t)^2 (1 + 2 t), (1 - t)^2 t, t^2 (3 - 2 t) and -t^2 (1 - t): value 1 or slope 1 at one end, 0
 // else.
-void CurveValues::at(const CurveAxis::Place& place, double* results) const noexcept {
-  const double t = place.part;
+void CurveValues::at(const CurveAxis::Position& position, double* results) const noexcept {
+  const double t = position.part;
   const double rest = 1.0 - t;
   const double first_value = rest * rest * (1.0 + 2.0 * t);
   const double first_slope = rest * rest * t;
   const double second_value = t * t * (3.0 - 2.0 * t);
   const double second_slope = -t * t * rest;
-  const double* const first = values.data() + static_cast<std::size_t>(place.interval) * functions * 2;
+  const double* const first = values.data() + static_cast<std::size_t>(position.interval) * functions * 2;
   const double* const second = first + functions * 2;
   for (std::size_t i = 0; i < functions; ++i) {
     results[i] = (first_value * first[2 * i] + first_slope * first[2 * i + 1]) +

@@ -85,8 +85,8 @@ double azimuth_clustering(int count, double asymmetry) {
   const double size = std::abs(asymmetry);
   const double lobe = (1.0 - size) / (1.0 + size);  // tanh(-ln(g) / 2)
   const double steps = 4.0 / count;
-  const double least = steps * (1.0 + steps * steps / 15.0) / (1.0 + steps * steps * 0.4);  // tanh, nearly
-  const double factor = std::min(1.0, std::max(4.0 / 3.0 * std::sqrt(lobe), std::min(1.0, least)));
+  const double minimum = steps * (1.0 + steps * steps / 15.0) / (1.0 + steps * steps * 0.4);  // tanh, nearly
+  const double factor = std::min(1.0, std::max(4.0 / 3.0 * std::sqrt(lobe), std::min(1.0, minimum)));
   return asymmetry < 0.0 ? 1.0 / factor : factor;
 }
 
@@ -422,11 +422,11 @@ double SkyProjection::lobe_integral(const SunAngles& sun, std::size_t channel) c
   return integral * (2.0 * std::sqrt(std::numbers::pi));
 }
 
-const float* SkyProjection::aureole_under(const SunAngles& sun, float* room) const noexcept {
+const float* SkyProjection::aureole_under(const SunAngles& sun, float* scratch) const noexcept {
   const std::array<double, 3> depths = slice_.aureole_depths(sun.zenith_cosine);
   if (!(depths[0] > 0.0 || depths[1] > 0.0 || depths[2] > 0.0)) return nullptr;
-  slice_.aureole().factors(depths, room);
-  return room;
+  slice_.aureole().factors(depths, scratch);
+  return scratch;
 }
 
 void SkyProjection::add_group(const RingGroup& group, const SunAngles& sun, const SunLookup& point,
@@ -488,8 +488,8 @@ void SkyProjection::project(const SunAngles& sun, std::span<glm::dvec3> even) co
   const SunLookup point = slice_.sun_lookup(sun.zenith_cosine);
   const Lobe lobe = lobe_at(sun, point);
   const Lobe aerosol = aerosol_factors(sun);
-  float room[kAureoleAngles * kSkyColour];
-  const float* const aureole = aureole_under(sun, room);
+  float scratch[kAureoleAngles * kSkyColour];
+  const float* const aureole = aureole_under(sun, scratch);
   std::array<CubicTaps, kMaxAzimuths> azimuth_taps;  // NOLINT: as many as there are azimuths are filled in
   slice_.azimuth_taps(azimuths_.cosines, sun.zenith_cosine, azimuth_taps.data());
   for (const RingGroup& group : groups_) {
@@ -523,8 +523,8 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
   const Lobe lobe = slice_.outside() ? Lobe{} : lobe_at(sun, point);
   const double fade = slice_.outside() ? 1.0 : static_cast<double>(point.fade);
   const glm::dvec3 towards(0.0, sun.zenith_cosine, sun.zenith_sine);
-  float room[kAureoleAngles * kSkyColour];
-  const float* const aureole = aureole_under(sun, room);
+  float scratch[kAureoleAngles * kSkyColour];
+  const float* const aureole = aureole_under(sun, scratch);
   for (const RingGroup& group : groups_) {
     for (std::size_t i = 0; i < azimuths_.cosines.size(); ++i) {
       const double cosine = azimuths_.cosines[i];
@@ -553,10 +553,10 @@ void SkyProjection::project_plainly(const SunAngles& sun, std::span<glm::dvec3> 
   add_lobe(sun, {fade * lobe[0], fade * lobe[1], fade * lobe[2]}, even);
 }
 
-void check_room(std::size_t room, int bands) {
+void check_room(std::size_t size, int bands) {
   const auto needed = static_cast<std::size_t>(bands) * static_cast<std::size_t>(bands);
-  if (room >= needed) return;
-  throw Error(ErrorCode::invalid_argument, "sky harmonics: coefficients has " + std::to_string(room) + " elements; " +
+  if (size >= needed) return;
+  throw Error(ErrorCode::invalid_argument, "sky harmonics: coefficients has " + std::to_string(size) + " elements; " +
                                                std::to_string(bands) + " bands need " + std::to_string(needed));
 }
 

@@ -94,7 +94,7 @@ class SkyProjection {
   [[nodiscard]] Lobe lobe_at(const SunAngles& sun, const SunLookup& point) const noexcept;
   void add_lobe(const SunAngles& sun, const Lobe& lobe, std::span<glm::dvec3> even) const;
   /// Returns the aureole's factors under a sun, [kAureoleAngles][4], or null where there are none.
-  [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* room) const noexcept;
+  [[nodiscard]] const float* aureole_under(const SunAngles& sun, float* scratch) const noexcept;
   void fill_ground(const RingGroup& group, const SunAngles& sun, int first, int count, float* ground) const noexcept;
   [[nodiscard]] SkyRings rings_of(const RingGroup& group, const SunAngles& sun, SunDistances& distances) const noexcept;
   [[nodiscard]] double lobe_integral(const SunAngles& sun, std::size_t channel) const noexcept;
@@ -125,7 +125,7 @@ class SkyProjection {
                                              const SkyHarmonicsOptions& options) noexcept;
 
 /// Throws `Error` (invalid_argument) if fewer than bands^2 coefficients fit.
-void check_room(std::size_t room, int bands);
+void check_room(std::size_t size, int bands);
 
 }  // namespace welkin::sky
 

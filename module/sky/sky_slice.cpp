@@ -265,7 +265,7 @@ Blend view_of(int node, int nodes, int table_nodes) {
 
 /// Per channel, the ratio of the aerosol's scattering to that of molecules, relative to the first channel; and that of
 /// the aerosol alone where no molecules show its colour.
-/// Single scattering by either kind of matter is its coefficient beta times nearly the same light, so that at one place
+/// Single scattering by either kind of matter is its coefficient beta times nearly the same light, so that at one point
 /// M_c / M_0 ~ (beta_M,c / beta_M,0) L_c / L_0 and R_c / R_0 ~ (beta_R,c / beta_R,0) L_c / L_0. Their quotient is
 /// M_c = M_0 (R_c / R_0) (beta_M,c / beta_M,0) (beta_R,0 / beta_R,c).
 struct AerosolColour {
@@ -407,7 +407,7 @@ std::vector<const Constituent*> matter_of(const Atmosphere& atmosphere) {
   return matter;
 }
 
-/// Altitudes from 0 to `altitude` between which every density is smooth. From each place where a density may jump or
+/// Altitudes from 0 to `altitude` between which every density is smooth. From each height where a density may jump or
 /// bend, steps are the smallest scale height at first and grow by half from one to the next, as an exponential density
 /// falls.
 std::vector<double> panels_of(const std::vector<const Constituent*>& matter, double altitude) {

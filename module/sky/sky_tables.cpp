@@ -26,7 +26,7 @@
 namespace welkin {
 namespace {
 
-constexpr double kNotedDoubt = 5e-3;  ///< of further orders that is told, as a share of all light
+constexpr double kNotedDoubt = 5e-3;  ///< doubt of further orders that is reported, as a fraction of all light
 
 using sky::AirModel;
 using sky::PerConstituent;
@@ -39,7 +39,7 @@ std::size_t index(int i) { return static_cast<std::size_t>(i); }
 /// Node k of n, from 0 to 1.
 double coordinate(std::size_t k, int nodes) { return static_cast<double>(k) / (nodes - 1); }
 
-/// To a float of a table: nothing negative, nothing that is not finite.
+/// Rounds to a float of a table: nothing negative, nothing that is not finite.
 float stored(double value) {
   if (!(value > 0.0)) return 0.0F;
   return static_cast<float>(std::min(value, static_cast<double>(std::numeric_limits<float>::max())));
@@ -327,7 +327,7 @@ void Precomputation::store(const WavelengthGroup& group, const Fold& fold, const
   }
 }
 
-// What light of the aerosol is multiplied by to be relative to the glow: light without its phase function, or radiance.
+// Factor that makes the aerosol's light relative to the glow: light without its phase function, or radiance.
 // Tables of a glow are looked up as stored x P x (S / P), P the phase function and S the glow (`factors.glow` is S / P,
 // `factors.once` is (P + D) / P). Single scattering m is to be seen as m (P + D): stored = m `once` / `glow`. A
 // radiance L is to be seen as it is: stored = L / (`glow` P).
@@ -414,14 +414,14 @@ void Precomputation::clip() {
   for (float& value : result_.single_mie) value = stored(static_cast<double>(value));
 }
 
-/// Of the polynomial through values at places (Lagrange).
-/// w_k = Prod_(i != k) (x - x_i) / (x_k - x_i). Equal places divide by 0, which the test below finds.
-std::vector<double> polynomial_weights(std::span<const double> positions, double place) {
+/// Returns the weights at `position` of the polynomial through values at `positions` (Lagrange):
+/// w_k = Prod_(i != k) (x - x_i) / (x_k - x_i). Equal positions divide by 0, which the test below finds.
+std::vector<double> polynomial_weights(std::span<const double> positions, double position) {
   std::vector<double> weights;
   for (std::size_t k = 0; k < positions.size(); ++k) {
     double weight = 1.0;
     for (std::size_t i = 0; i < positions.size(); ++i) {
-      if (i != k) weight *= (place - positions[i]) / (positions[k] - positions[i]);
+      if (i != k) weight *= (position - positions[i]) / (positions[k] - positions[i]);
     }
     if (!std::isfinite(weight)) {
       throw Error(ErrorCode::invalid_argument, "places of tables must be finite, and no two of them the same");

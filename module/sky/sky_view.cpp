@@ -87,10 +87,10 @@ void SkyView::radiance(std::span<const glm::vec3> directions, const glm::dvec3& 
   const platform::FloatingPointScope floating_point;
   sky::SkyRun run = slice_->slice.run(sky::sun_unit(sun));
   // Reducing the slice to the sun pays from some directions on; of large tables it would not fit on the stack.
-  constexpr std::size_t room = 16384;
-  alignas(64) float of_sun[room];
+  constexpr std::size_t floats = 16384;
+  alignas(64) float of_sun[floats];
   const std::size_t rows = 2 * static_cast<std::size_t>(run.half) * static_cast<std::size_t>(run.azimuths);
-  if (!run.outside && rows * sky::kSkyRow <= room && 6 * directions.size() > rows) {
+  if (!run.outside && rows * sky::kSkyRow <= floats && 6 * directions.size() > rows) {
     kernels.reduce(run, of_sun);
     run.of_sun = of_sun;
   }

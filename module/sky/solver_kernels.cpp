@@ -14,7 +14,7 @@ constexpr int kPair = 8;  ///< floats of two nodes of suns that follow each othe
 WELKIN_INLINE Lanes load(const float* p) { return Lanes::load_unaligned(p); }
 WELKIN_INLINE NarrowLanes load_narrow(const float* p) { return NarrowLanes::load_unaligned(p); }
 
-/// A place among nodes: the one below, and the fraction towards the next.
+/// A position among nodes: the node below, and the fraction towards the next.
 struct NodeFraction {
   Indices node;
   Lanes fraction;
@@ -116,10 +116,10 @@ void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, fl
     if (!xsimd::any(share > Lanes(0.0F))) continue;  // all in the planet's shadow
     share.store_aligned(shares);
     const Lanes y = xsimd::max(above, Lanes(0.0F));
-    const NodeFraction place =
+    const NodeFraction lookup =
         place_among(Lanes(sample.rational) * (y / (y + Lanes(sample.bend))) + Lanes(sample.linear) * y, nodes);
-    place.node.store_aligned(node);
-    place.fraction.store_aligned(fraction);
+    lookup.node.store_aligned(node);
+    lookup.fraction.store_aligned(fraction);
     for (int k = 0; k < kWidth; ++k) {
       if (shares[k] == 0.0F) continue;
       const float* const low = slice + kPair * node[k];
@@ -152,8 +152,8 @@ WELKIN_INLINE void mix_steps(const SourceSample& sample, int nodes, float* inver
   }
 }
 
-/// What molecules send on at the sample's height and zenith angle, relative to the brightness: coefficients of 1, q and
-/// q^2, `rows`[3][nodes][4].
+/// Mixes the light that molecules scatter at the sample's height and zenith angle, relative to the brightness:
+/// coefficients of 1, q and q^2, `rows`[3][nodes][4].
 /// The direction enters by mu alone here and by q per sun later: the five terms of sky_kernels.h are folded to
 ///   (t0 + P_2(mu) t1 - (1 - mu^2) t2) + q (mu t3) + q^2 t4
 /// once per sample, and a sun costs two multiplications and additions per channel.
@@ -207,15 +207,15 @@ WELKIN_INLINE void add_light(const SourceSample& sample, const SunAxis& axis, co
   for (int i = 0; i < suns.count; i += kWidth) {
     const Lanes mu = sun_zenith(sample.start_ratio, sample.distance_ratio, suns, i);
     (load(suns.angle_cosine + i) - Lanes(sample.view_cosine) * mu).store_aligned(across);
-    const NodeFraction place = sun_lookup(axis, mu);
-    place.node.store_aligned(node);
-    place.fraction.store_aligned(fraction);
+    const NodeFraction lookup = sun_lookup(axis, mu);
+    lookup.node.store_aligned(node);
+    lookup.fraction.store_aligned(fraction);
     // A position among nodes is `node` + `fraction`, and among steps kSunSteps times that: the step is found from the
     // fraction by itself, which has more digits than the whole position. The last step is kept inside of the interval
     // where the fraction is 1.
-    const Lanes fine = place.fraction * Lanes(static_cast<float>(kSunSteps));
+    const Lanes fine = lookup.fraction * Lanes(static_cast<float>(kSunSteps));
     const Indices whole = xsimd::min(xsimd::to_int(fine), Indices(kSunSteps - 1));
-    (place.node * Indices(kSunSteps) + whole).store_aligned(step);
+    (lookup.node * Indices(kSunSteps) + whole).store_aligned(step);
     (fine - xsimd::to_float(whole)).store_aligned(part);
     for (int k = 0; k < kWidth; ++k) {
       const float brightness = steps[step[k]] + part[k] * (steps[step[k] + 1] - steps[step[k]]);
@@ -280,9 +280,9 @@ void place_angles(const float* cosines, int count, int angles, int row, std::int
     // sqrt(2^-24) = 2.4e-4 radians.
     const Lanes turned = xsimd::sqrt(Lanes(1.0F) - size) * polynomial * Lanes(inverse_pi);
     const Lanes share = xsimd::select(x < Lanes(0.0F), Lanes(1.0F) - turned, turned);
-    const NodeFraction place = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
-    (place.node * Indices(row)).store_unaligned(rows + i);
-    place.fraction.store_unaligned(fractions + i);
+    const NodeFraction lookup = place_among(share * Lanes(static_cast<float>(angles - 1)), angles);
+    (lookup.node * Indices(row)).store_unaligned(rows + i);
+    lookup.fraction.store_unaligned(fractions + i);
   }
 }
 
@@ -307,8 +307,8 @@ void project_sky_ring(const SkyRing& ring, float* harmonics) {
           sum = sum + Lanes(cosines[j]) * Lanes::load_unaligned(radiance + j * ring.azimuth_stride);
         }
         for (int l = m; l < ring.bands; ++l) {
-          float* const place = harmonics + (pair + l - m) * kValues + c * kLanes + k * kWidth;
-          (Lanes::load_unaligned(place) + Lanes(ring.values[pair + l - m]) * sum).store_unaligned(place);
+          float* const to = harmonics + (pair + l - m) * kValues + c * kLanes + k * kWidth;
+          (Lanes::load_unaligned(to) + Lanes(ring.values[pair + l - m]) * sum).store_unaligned(to);
         }
       }
     }

@@ -1,4 +1,4 @@
-// What one thread of a `SourceSolver` works in, and the sizes that its two halves share: orders and their rays
+// Memory of one thread of a `SourceSolver`, and the sizes that its two halves share: orders and their rays
 // (scattering_solver.cpp), and the source that they leave (source_gathering.cpp).
 #pragma once
 
@@ -40,12 +40,12 @@ void fill(std::size_t height, std::size_t heights, std::vector<Value>& rows, boo
   const Value* const from = rows.data() + 2 * index(cubic.first) * size;
   Value weights[4];
   for (std::size_t k = 0; k < 4; ++k) weights[k] = static_cast<Value>(cubic.weights[k]);
-  const Value least = with_sign ? std::numeric_limits<Value>::lowest() : Value{0};
+  const Value minimum = with_sign ? std::numeric_limits<Value>::lowest() : Value{0};
   Value* const to = rows.data() + height * size;
   for (std::size_t i = 0; i < size; ++i) {
     const Value sum = weights[0] * from[i] + weights[1] * from[2 * size + i] + weights[2] * from[4 * size + i] +
                       weights[3] * from[6 * size + i];
-    to[i] = sum > least ? sum : least;
+    to[i] = sum > minimum ? sum : minimum;
   }
 }
 
@@ -64,7 +64,7 @@ struct SourceSolver::Worker {
   std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
   std::vector<float> values;     ///< [pairs]
   std::vector<float> harmonics;  ///< [pairs][3][block]
-  std::vector<float> lobed;      ///< likewise, each wavelength's times its own lobe's moments, where lobes differ
+  std::vector<float> lobed;      ///< [pairs][3][block]: times each wavelength's own lobe's moments, where lobes differ
   std::vector<float> aerosol;    ///< [m][3][block]: for one zenith, folded
 };
 

@@ -48,10 +48,10 @@ void SourceSolver::set_source_nodes() {
 void SourceSolver::add_source_node(double zenith, std::size_t s, double angle) {
   const math::SineCosine view = math::sine_cosine_of_turns(zenith);
   const double sun = math::turns_of(sun_sines_[s], sun_cosines_[s]);
-  const double least = std::abs(zenith - sun);
-  const double most = std::min(zenith + sun, 1.0 - zenith - sun);
-  const double nearest = std::clamp(angle, least, most);
-  const double inside = std::clamp(2.0 * nearest - angle, least, most);
+  const double minimum = std::abs(zenith - sun);
+  const double maximum = std::min(zenith + sun, 1.0 - zenith - sun);
+  const double nearest = std::clamp(angle, minimum, maximum);
+  const double inside = std::clamp(2.0 * nearest - angle, minimum, maximum);
   const auto add = [&](double at, std::vector<float>& azimuths) {
     const double nu = math::sine_cosine_of_turns(at).cosine;
     const double azimuth = (nu - view.cosine * sun_cosines_[s]) / (view.sine * sun_sines_[s]);

@@ -59,7 +59,7 @@ struct Tristimulus {
 };
 
 /// From X, Y, Z to linear sRGB: the inverse of what its primaries (Rec. 709) and white (D65: 0.3127, 0.3290) give, as
-/// in CSS Color 4, section 10.4.
+/// in `CSS Color 4`, section 10.4.
 glm::dvec3 srgb(const Tristimulus& c) {
   return {3.2409699419045226 * c.x - 1.5373831775700939 * c.y - 0.4986107602930034 * c.z,
           -0.9692436362808796 * c.x + 1.8759675015077202 * c.y + 0.04155505740717559 * c.z,
@@ -85,7 +85,7 @@ std::vector<double> bends(const std::vector<double>& rising) {
   return positions;
 }
 
-/// A piecewise linear spectrum, constant beyond its ends: shares of the two wavelengths about a place.
+/// A piecewise linear spectrum, constant beyond its ends: shares of the two wavelengths about a position.
 struct Shares {
   std::size_t below;
   double above_share;
@@ -147,7 +147,7 @@ void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour)
   asymmetries_.fill(atmosphere.aerosol_asymmetry);
   const std::vector<double>& given = atmosphere.aerosol_asymmetries;
   if (given.empty()) return;
-  const auto [least, most] = std::minmax_element(given.begin(), given.end());
+  const auto [minimum, maximum] = std::minmax_element(given.begin(), given.end());
   for (std::size_t c = 0; c < 3; ++c) {
     double sum = 0.0;
     double scattered = 0.0;
@@ -160,8 +160,8 @@ void ColourFold::set_asymmetries(const Atmosphere& atmosphere, SkyColour colour)
       sum += weight * given[i];
       scattered += weight;
     }
-    const double mean = scattered > 0.0 ? sum / scattered : 0.5 * (*least + *most);
-    asymmetries_[c] = colour == SkyColour::spectral ? given[c] : std::clamp(mean, *least, *most);
+    const double mean = scattered > 0.0 ? sum / scattered : 0.5 * (*minimum + *maximum);
+    asymmetries_[c] = colour == SkyColour::spectral ? given[c] : std::clamp(mean, *minimum, *maximum);
   }
 }
 

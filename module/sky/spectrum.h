@@ -1,4 +1,4 @@
-// What every list of wavelengths must be.
+// Checks of lists of wavelengths, and the weights of wavelengths in a sky's three channels.
 #pragma once
 
 #include <array>

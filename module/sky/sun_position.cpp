@@ -1,4 +1,4 @@
-// The sun's place in the sky of an observer on Earth.
+// The sun's position in the sky of an observer on Earth.
 //
 // The method is that of Reda and Andreas 2004, "Solar position algorithm for solar radiation applications", Solar
 // Energy 76 (5), with its series cut off. Equations by their numbers in NREL/TP-560-34302 (2008). What is left out, in
@@ -105,7 +105,7 @@ double delta_time_seconds(double year) {
   return sum;
 }
 
-/// What the sun's place among the stars and the Earth's rotation are at a moment, in turns.
+/// The sun's position among the stars and the Earth's rotation at a moment, in turns.
 struct Apparent {
   double right_ascension;
   double declination;
@@ -192,14 +192,14 @@ SunPosition sun_position(double unix_seconds, const SunObserver& observer) {
   const Apparent sun = apparent_sun(unix_seconds);
   const double hour_angle = sun.sidereal_time + observer.longitude_degrees / 360.0 - sun.right_ascension;  // (32)
   const auto hour = math::sine_cosine_of_turns(hour_angle - std::floor(hour_angle));
-  const auto place = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
+  const auto latitude = math::sine_cosine_of_turns(observer.latitude_degrees / 360.0);
   const auto declination = math::sine_cosine_of_turns(sun.declination);
   // The sun's unit vector (cos d cos H, cos d sin H, sin d), H the hour angle westwards, rotated about the west axis by
   // the colatitude. Angles follow by arctangents of two components: the arcsine of (41) loses half of its digits near
   // the zenith.
-  const double south = declination.cosine * hour.cosine * place.sine - declination.sine * place.cosine;
+  const double south = declination.cosine * hour.cosine * latitude.sine - declination.sine * latitude.cosine;
   const double west = declination.cosine * hour.sine;
-  const double up = declination.sine * place.sine + declination.cosine * hour.cosine * place.cosine;
+  const double up = declination.sine * latitude.sine + declination.cosine * hour.cosine * latitude.cosine;
   const double level = std::sqrt(south * south + west * west);
 
   SunPosition position;
@@ -262,7 +262,7 @@ class Reader {
     return value;
   }
 
-  /// What stands behind a decimal point; digits after the ninth count for nothing.
+  /// Reads the digits after a decimal point; those after the ninth are ignored.
   double fraction() {
     double value = 0.0;
     double unit = 1.0;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kNearHorizon = 0.75;    ///< share of the nodes that the rational part of the axis places
 constexpr double kMinRefraction = 1e-4;  ///< float tells cosines apart to 1e-7
-/// Of a disc, radians: a point, as far as float tells cosines apart.
+/// Minimum radius of a disc, radians: a point, as far as float tells cosines apart.
 constexpr double kSmallestRadius = 1e-7;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }

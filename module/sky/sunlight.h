@@ -72,7 +72,7 @@ class Sunlight {
   std::vector<float> rows_;  ///< [heights][zeniths][4]
 };
 
-// The direct sun at a place, by the tables.
+// The direct sun at a position, by the tables.
 
 /// Steradians: a disc of less is a point, whose radiance would overflow.
 inline constexpr double kPoint = 1e-60;
@@ -91,7 +91,7 @@ inline constexpr double kPoint = 1e-60;
 /// The sun's disc over a horizon (welkin/sky.h states the model), at any altitude.
 struct SettingSun {
   double horizon = 0.0;  ///< cosine of its zenith angle
-  double stretch = 1.0;  ///< of elevations at the altitude beside those on the ground
+  double stretch = 1.0;  ///< of elevations at the altitude relative to those on the ground
   double radius = 0.0;   ///< of the disc, radians
 
   SettingSun(const Atmosphere& atmosphere, double altitude_m) noexcept;
@@ -103,7 +103,7 @@ struct SettingSun {
 [[nodiscard]] glm::dvec3 sun_transmittance(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                            double sun_zenith_cosine) noexcept;
 
-/// What arrives of the sun's light above the air, 0 to 1: through the air, past the horizon. Any altitude.
+/// Returns the fraction of the sun's light above the air that arrives: through the air, past the horizon. Any altitude.
 [[nodiscard]] glm::dvec3 sun_share(const SkyTables& tables, const TableMapping& mapping, double altitude,
                                    double sun_zenith_cosine) noexcept;
 

@@ -13,7 +13,7 @@ double unit(double x) { return std::min(1.0, std::max(0.0, x)); }
 double cosine(double x) { return std::min(1.0, std::max(-1.0, x)); }
 double sine_of(double x) { return std::sqrt(std::max(0.0, (1.0 - x) * (1.0 + x))); }
 
-/// Of the top that suns' paths are measured to, in radii of the ground: somewhat less than that of Earth's air.
+/// Minimum height of the top that suns' paths are measured to, in radii of the ground: a little below Earth's air's.
 constexpr double kThinnestForSuns = 0.008;
 
 /// T / H of shells below which views' coordinates are bent, and how much.
@@ -29,8 +29,8 @@ double bend_of(double thickness, double top_tangent) {
   return ratio < kThinShell ? kViewBend * ratio : 0.0;
 }
 
-// Of the coordinate of views to the top (ViewTerms), of suns' (SunTerms) and of azimuths' (AzimuthTerms). Found by
-// trying against the quadrature: those of few nodes with 8 azimuths, suns from 10 to -12 degrees, rays from 0.2 to 45
+// Terms of the coordinate of views to the top (ViewTerms), of suns' (SunTerms) and of azimuths' (AzimuthTerms), found
+// by trial against the quadrature: those of few nodes with 8 azimuths, suns from 10 to -12 degrees, rays from 0.2 to 45
 // degrees above the horizon; those of many all together, with 64 views, 8 azimuths and 64 suns, from 60 to -12.
 constexpr ViewTerms kManyViews{.zenith = 0.195, .horizon = 0.2};
 constexpr AzimuthTerms kFewAzimuths{

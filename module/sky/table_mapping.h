@@ -48,8 +48,8 @@ struct Ray {
   bool operator==(const Ray&) const = default;
 };
 
-/// Of which axes of a scattering table there are so many nodes that they crowd where light is sharp.
-/// `table_nodes` (sky/table_sizes.h) says it of options, and nothing else may.
+/// The axes of a scattering table that have so many nodes that they crowd where light is sharp. Only `table_nodes`
+/// (sky/table_sizes.h) may decide it from options.
 struct TableNodes {
   bool many_views = false;
   bool many_suns = false;
@@ -60,7 +60,7 @@ struct TableNodes {
 /// Coefficients of the coordinate of views to the top, of its share u of the length.
 struct ViewTerms {
   double zenith = 1.0;   ///< z; 1: no more of them there
-  double horizon = 0.0;  ///< f; 0: likewise
+  double horizon = 0.0;  ///< f; 0: no more of them there
 
   [[nodiscard]] bool crowd() const noexcept { return zenith < 1.0 || horizon > 0.0; }
 };
@@ -98,7 +98,7 @@ class TableMapping {
                TableNodes nodes = {}) noexcept;
 
   [[nodiscard]] double bottom_radius() const noexcept { return bottom_; }
-  /// Of so little air that views' coordinates are bent.
+  /// Returns whether there is so little air that views' coordinates are bent.
   [[nodiscard]] bool thin() const noexcept { return view_bend_ > 0.0; }
   [[nodiscard]] double view_bend() const noexcept { return view_bend_; }  ///< b; 0: not bent
   [[nodiscard]] const ViewTerms& view_terms() const noexcept { return view_terms_; }
@@ -120,11 +120,11 @@ class TableMapping {
 
   /// Suns below the lowest count as the lowest.
   [[nodiscard]] double sun_coordinate(double sun_zenith_cosine) const noexcept;
-  /// By halving: some microseconds.
+  /// By bisection: takes microseconds.
   [[nodiscard]] double sun_zenith_cosine(double coordinate) const noexcept;
   [[nodiscard]] const SunTerms& sun_terms() const noexcept { return sun_terms_; }
 
-  /// The same without the nodes for the disc, whose setting does not show in light that was scattered before.
+  /// Without the nodes for the disc, whose setting does not show in light that was scattered before.
   [[nodiscard]] double smooth_sun_coordinate(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double smooth_sun_zenith_cosine(double coordinate) const noexcept;
   [[nodiscard]] const SunTerms& smooth_sun_terms() const noexcept { return smooth_sun_terms_; }
@@ -135,14 +135,14 @@ class TableMapping {
   [[nodiscard]] double sun_thickness() const noexcept { return sun_thickness_; }
   [[nodiscard]] double sun_tangent() const noexcept { return sun_tangent_; }
 
-  /// q under that sun.
+  /// Returns q under that sun.
   [[nodiscard]] double azimuth_bend(double sun_zenith) const noexcept;
   [[nodiscard]] const AzimuthTerms& azimuth_terms() const noexcept { return azimuth_terms_; }
-  /// Of the azimuth's cosine; one beyond 1 counts as 1.
+  /// Returns the coordinate of the azimuth's cosine; one beyond 1 counts as 1.
   [[nodiscard]] double azimuth_coordinate(double azimuth_cosine, double sun_zenith) const noexcept {
     return bent_azimuth(azimuth_cosine, azimuth_bend(sun_zenith));
   }
-  /// The same, given q.
+  /// Returns the coordinate of the azimuth's cosine, given q.
   [[nodiscard]] static double bent_azimuth(double azimuth_cosine, double bend) noexcept;
   [[nodiscard]] double azimuth_cosine(double coordinate, double sun_zenith) const noexcept;
 

@@ -101,8 +101,8 @@ namespace {
 SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexcept {
   const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
   const bool small = options.heights < 12 || options.view_zeniths < 16;
-  // Of a lobe that is narrow forward, light of a low sun changes fast with the height, and about the horizontal: 16
-  // heights leave low places beside it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
+  // With a lobe that is narrow forward, light of a low sun changes fast with the height, and about the horizontal: 16
+  // heights leave low places next to it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
   const bool narrow = lobe != NarrowLobe::none;
   const bool fine = lobe == NarrowLobe::forward && !small;
   // Compact tables, which have no azimuth, are wrong by more than what fewer nodes lose.
@@ -117,8 +117,8 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
           .zeniths = small ? 17 : (fine ? 65 : 33),
           .angles = small ? 13 : 25,
           .suns = suns,
-          // On n midpoints of half a circle cos(m phi) is -cos((2 n - m) phi): of 28 bands all are told apart by 32,
-          // and of 20 bands those of m > 16 count as 32 - m, whose moments for g below 0.76 are under 0.013.
+          // On n midpoints of half a circle cos(m phi) is -cos((2 n - m) phi): 32 distinguish all of 28 bands. With 16,
+          // of 20 bands those of m > 16 count as 32 - m, whose moments for g below 0.76 are under 0.013.
           .azimuths = narrow ? 32 : 16,  // 16 mistake high bands of a narrow lobe for lower ones
           .narrow = narrow};
 }

@@ -1,4 +1,4 @@
-// What sky tables take, and whether options make sense.
+// Sizes of sky tables, and checks of their options.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,10 @@ void check_options(const SkyTableOptions& options);
 /// Cosines between view and sun that a layout has: 1 if compact.
 [[nodiscard]] int angles_of(const SkyTableOptions& options) noexcept;
 
-/// Which axes have many nodes. Compact tables have not, for those who look them up as published.
+/// Returns which axes have many nodes. Compact tables have none, for callers that look them up as published.
 [[nodiscard]] TableNodes table_nodes(const SkyTableOptions& options) noexcept;
 
-/// What the texels of tables with these options stand for.
+/// Returns the mapping of the texels of tables with these options.
 [[nodiscard]] TableMapping mapping_of(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
 /// Texels of the scattering table; floats of the other two.
@@ -33,15 +33,15 @@ void check_options(const SkyTableOptions& options);
 [[nodiscard]] std::uint64_t transmittance_floats(const SkyTableOptions& options) noexcept;
 [[nodiscard]] std::uint64_t irradiance_floats(const SkyTableOptions& options) noexcept;
 
-/// Of the table of single Mie scattering: none where the layout is compact, or where no aerosol scatters.
+/// Floats of the table of single Mie scattering: none where the layout is compact, or where no aerosol scatters.
 [[nodiscard]] std::uint64_t single_mie_floats(const Atmosphere& atmosphere, const SkyTableOptions& options) noexcept;
 
-/// Nodes of what the tables are computed from: fewer for small tables, that those are quick to make. Heights are bent
-/// where the air is thin beside its shell.
+/// Returns the nodes of the source that the tables are computed from: fewer for small tables, so that those are quick
+/// to make. Heights are bent where the air is thin relative to its shell.
 [[nodiscard]] SourceShape source_shape(const SkyTableOptions& options, const AirModel& air,
                                        const TableMapping& mapping);
-/// Nodes of the sun's paths: where the air is thin beside its shell, as many as for large tables, for the lowest
-/// heights must not lie beyond it.
+/// Returns the nodes of the sun's paths: where the air is thin relative to its shell, as many as for large tables, for
+/// the lowest heights must not lie beyond it.
 [[nodiscard]] SunPaths::Size sun_path_size(const SkyTableOptions& options, const AirModel& air,
                                            const TableMapping& mapping) noexcept;
 

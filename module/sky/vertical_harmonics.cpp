@@ -46,7 +46,7 @@ AxisChange make_axis_change() {
   constexpr int columns = 2 * kMaximumBands;
   const math::GaussRule rule = math::gauss_legendre(rings);
   std::vector<double> products(static_cast<std::size_t>(kMaximumBands) * kMaximumBands * (2 * kMaximumBands));
-  const auto place = [](int to, int l, int from) {
+  const auto index_of = [](int to, int l, int from) {
     return static_cast<std::size_t>(to * 2 * kMaximumBands + from - l * l);
   };
   for (int j = 0; j < rings; ++j) {
@@ -56,14 +56,14 @@ AxisChange make_axis_change() {
       const math::SineCosine azimuth = math::sine_cosine_of_turns(static_cast<double>(i) / columns);
       const double x = sine * azimuth.cosine;
       const double y = sine * azimuth.sine;
-      const Basis own = basis_at(x, y, z);
+      const Basis values = basis_at(x, y, z);
       const Basis vertical = basis_at(z, x, y);
       for (int l = 0; l < kMaximumBands; ++l) {
         for (int to = l * l; to < (l + 1) * (l + 1); ++to) {
           const double weighted =
-              rule.weights[j] * (2.0 * std::numbers::pi / columns) * own[static_cast<std::size_t>(to)];
+              rule.weights[j] * (2.0 * std::numbers::pi / columns) * values[static_cast<std::size_t>(to)];
           for (int from = l * l; from < (l + 1) * (l + 1); ++from) {
-            products[place(to, l, from)] += weighted * vertical[static_cast<std::size_t>(from)];
+            products[index_of(to, l, from)] += weighted * vertical[static_cast<std::size_t>(from)];
           }
         }
       }
@@ -74,7 +74,7 @@ AxisChange make_axis_change() {
     change.first[static_cast<std::size_t>(l)] = change.entries.size();
     for (int to = l * l; to < (l + 1) * (l + 1); ++to) {
       for (int from = l * l; from < (l + 1) * (l + 1); ++from) {
-        const double factor = products[place(to, l, from)];
+        const double factor = products[index_of(to, l, from)];
         if (factor * factor > 1e-24) change.entries.push_back({to, from, factor});
       }
     }

@@ -14,8 +14,8 @@ constexpr double kPi = 3.14159265358979324;
 constexpr double kTiny = 1e-300;  // below any number that matters, above what divides to infinity
 constexpr float kRayleigh = static_cast<float>(3.0 / (16.0 * kPi));
 
-/// What is known of sixteen directions.
-struct Places {
+/// Positions and phase functions of sixteen directions.
+struct Positions {
   alignas(64) double view[kLanes];     ///< position within the half
   alignas(64) double azimuth[kLanes];  ///< position
   alignas(64) double sun[kLanes];      ///< position, from outside
@@ -49,9 +49,9 @@ WELKIN_INLINE DoubleLanes to_top(DoubleLanes along, double shell) {
 /// (1 - |g|)^2 + 2 |g| (1 - nu) = 1 + g^2 - 2 g nu for g > 0, and with 1 + nu for g < 0: a sum of two parts that are
 /// not negative, where the textbook's form cancels next to nu = 1. The aureole's nodes are even in the fourth root of
 /// (1 - nu) / 2 = sin^2(angle / 2), about the root of the angle: dense at the sun.
-WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places& places) {
+WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Positions& positions) {
   const DoubleLanes lobe = constant(1.0) + nu * nu;
-  lobe.store_aligned(places.rayleigh + k);
+  lobe.store_aligned(positions.rayleigh + k);
   for (int c = 0; c < run.lobes; ++c) {
     const double g = run.asymmetry[c];
     const double size = g < 0.0 ? -g : g;
@@ -60,15 +60,15 @@ WELKIN_INLINE void store_phases(const SkyRun& run, DoubleLanes nu, int k, Places
     const DoubleLanes denominator = square * xsimd::sqrt(square);
     const DoubleLanes scale = constant(run.aerosol_scale[c]);
     const DoubleLanes numerator = run.henyey_greenstein ? scale : scale * lobe;
-    (numerator / denominator).store_aligned(places.aerosol[c] + k);
+    (numerator / denominator).store_aligned(positions.aerosol[c] + k);
   }
   const DoubleLanes angle = xsimd::sqrt(square_root(constant(0.5) * (constant(1.0) - nu)));
-  (angle * constant(kAureoleAngles - 1)).store_aligned(places.aureole + k);
+  (angle * constant(kAureoleAngles - 1)).store_aligned(positions.aureole + k);
 }
 
 /// Position and fade of suns whose zenith cosine is known.
 /// `TableMapping::sun_coordinate`, and `sun_fade`'s smoothstep from the nadir to the lowest sun.
-WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places& places) {
+WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Positions& positions) {
   const DoubleLanes distance = to_top(constant(run.bottom) * mu_s, run.sun_tangent_squared);
   const DoubleLanes a = xsimd::max(distance - constant(run.sun_thickness), constant(0.0)) * constant(run.sun_scale);
   const SunTerms& terms = run.sun_terms;
@@ -83,9 +83,9 @@ WELKIN_INLINE void store_suns(const SkyRun& run, DoubleLanes mu_s, int k, Places
   const DoubleLanes u = xsimd::min((constant(1.0) - x) / constant(kHighSuns), constant(1.0));
   const DoubleLanes rest = constant(1.0) - u;
   const DoubleLanes bent = xsimd::sqrt(u * (u + constant(terms.zenith) * (rest * rest * rest))) - u;
-  ((x - constant(kHighSuns) * bent) * constant(run.suns - 1)).store_aligned(places.sun + k);
+  ((x - constant(kHighSuns) * bent) * constant(run.suns - 1)).store_aligned(positions.sun + k);
   const DoubleLanes t = between((mu_s + constant(1.0)) / constant(run.lowest_zenith + 1.0 + kTiny), 0.0, 1.0);
-  (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(places.fade + k);
+  (t * t * (constant(3.0) - constant(2.0) * t)).store_aligned(positions.fade + k);
 }
 
 /// Positions from 0 to half - 1 as thin shells bend them.
@@ -114,7 +114,7 @@ WELKIN_INLINE DoubleLanes azimuth_bend(const AzimuthTerms& terms, DoubleLanes mu
 }
 
 /// One register of directions.
-WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, DoubleLanes z, int k, Places& places) {
+WELKIN_INLINE void locate(const SkyRun& run, DoubleLanes x, DoubleLanes y, DoubleLanes z, int k, Positions& positions) {
   const DoubleLanes one = constant(1.0);
   const DoubleLanes zero = constant(0.0);
   const DoubleLanes length = xsimd::sqrt(x * x + y * y + z * z);
@@ -126,7 +126,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   const DoubleLanes sine = xsimd::sqrt(dx * dx + dz * dz);
   const DoubleLanes level = dx * constant(run.sun[0]) + dz * constant(run.sun[2]);
   const DoubleLanes nu = between(level + dy * constant(run.sun_zenith), -1.0, 1.0);
-  store_phases(run, nu, k, places);
+  store_phases(run, nu, k, positions);
 
   DoubleLanes mu = between(dy, -1.0, 1.0);
   DoubleLanes mu_s = constant(run.sun_zenith);
@@ -136,7 +136,7 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   DoubleLanes cosine = level / xsimd::max(sine * constant(run.sun_sine), constant(kTiny));
   if (run.night != nullptr) {
     const DoubleLanes share = (mu - constant(run.night_lowest)) / constant(1.0 - run.night_lowest);
-    (between(share, 0.0, 1.0) * constant(run.nights - 1)).store_aligned(places.night + k);
+    (between(share, 0.0, 1.0) * constant(run.nights - 1)).store_aligned(positions.night + k);
   }
   if (run.outside) {
     // b: how near the ray's line comes to the centre. It comes in where its zenith's sine is b / top.
@@ -150,19 +150,19 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
     const DoubleLanes top = constant(run.radius);
     const DoubleLanes root = square_root((top - b) * (top + b));
     const DoubleLanes distance = zero - constant(run.viewer_radius) * mu - root;
-    xsimd::select((mu < zero) && (b < top), one, zero).store_aligned(places.hit + k);
+    xsimd::select((mu < zero) && (b < top), one, zero).store_aligned(positions.hit + k);
     mu = zero - root / top;
     mu_s = between((constant(run.viewer_radius * run.sun_zenith) + distance * nu) / top, -1.0, 1.0);
     along = zero - root;
     discriminant = (constant(run.bottom) - b) * (constant(run.bottom) + b);
     const DoubleLanes sun_sine = square_root((one - mu_s) * (one + mu_s));
     cosine = (nu - mu * mu_s) / xsimd::max(b / top * sun_sine, constant(kTiny));
-    store_suns(run, mu_s, k, places);
+    store_suns(run, mu_s, k, positions);
   }
   const DoubleLanes even = (between(cosine, -1.0, 1.0) + one) * constant(0.5);
   const DoubleLanes bend = run.outside ? azimuth_bend(run.azimuth_terms, mu_s) : constant(run.azimuth_bend);
   const DoubleLanes bent_even = xsimd::min((one + bend) * even / (one + bend * even), one);
-  (bent_even * constant(run.azimuths - 1)).store_aligned(places.azimuth + k);
+  (bent_even * constant(run.azimuths - 1)).store_aligned(positions.azimuth + k);
 
   const auto ends = (mu < zero) && (discriminant > zero);
   // The nearer root of s^2 + 2 (r mu) s + rho^2 = 0 as rho^2 over the farther one (sky_geometry.h).
@@ -176,15 +176,15 @@ WELKIN_INLINE void find_places(const SkyRun& run, DoubleLanes x, DoubleLanes y, 
   DoubleLanes up = above;
   if (run.view_bend > 0.0) up = bent(run, above);
   if (run.view_terms.crowd()) up = crowded(run, above);
-  xsimd::select(ends, down, up).store_aligned(places.view + k);
-  xsimd::select(ends, one, zero).store_aligned(places.ends + k);
+  xsimd::select(ends, down, up).store_aligned(positions.view + k);
+  xsimd::select(ends, one, zero).store_aligned(positions.ends + k);
 
-  // The sun's cosine where the ray ends, and its place among nodes that are even in sqrt|mu| with mu's sign.
+  // The sun's cosine where the ray ends, and its position among nodes that are even in sqrt|mu| with mu's sign.
   const DoubleLanes mu_ground =
       between((constant(run.radius) * mu_s + to_ground * nu) / constant(run.bottom), -1.0, 1.0);
   const DoubleLanes rooted = xsimd::sqrt(xsimd::abs(mu_ground));
   const DoubleLanes folded = xsimd::select(mu_ground < zero, zero - rooted, rooted);
-  ((folded + one) * constant(0.5 * (run.grounds - 1))).store_aligned(places.ground + k);
+  ((folded + one) * constant(0.5 * (run.grounds - 1))).store_aligned(positions.ground + k);
 }
 
 /// Where a sky falls off steeply, at the rim of the planet's shadow, a cubic swings beyond its nodes: it may leave the
@@ -230,9 +230,9 @@ WELKIN_INLINE Row plus(Row sum, float weight, Row row) {
 }
 WELKIN_INLINE Row limited(Row row, Row a, Row b) {
   for (int i = 0; i < Row::kRegisters; ++i) {
-    const NarrowLanes least = NarrowLanes(kMin) * xsimd::min(a.part[i], b.part[i]);
-    const NarrowLanes most = NarrowLanes(kMax) * xsimd::max(a.part[i], b.part[i]);
-    row.part[i] = xsimd::min(xsimd::max(row.part[i], least), most);
+    const NarrowLanes minimum = NarrowLanes(kMin) * xsimd::min(a.part[i], b.part[i]);
+    const NarrowLanes maximum = NarrowLanes(kMax) * xsimd::max(a.part[i], b.part[i]);
+    row.part[i] = xsimd::min(xsimd::max(row.part[i], minimum), maximum);
   }
   return row;
 }
@@ -240,7 +240,7 @@ WELKIN_INLINE void store_row(Row row, float* to) {
   for (int i = 0; i < Row::kRegisters; ++i) row.part[i].store_unaligned(to + i * kNarrowWidth);
 }
 
-/// Of four rows the weighted sum, within reach of the two in the middle of which the position lies.
+/// Returns the weighted sum of four rows, limited to the two in the middle, between which the position lies.
 WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {
   Row sum = nothing();
   for (int i = 0; i < 4; ++i) sum = plus(sum, taps.weights[i], rows[i]);
@@ -291,12 +291,12 @@ WELKIN_INLINE void interpolate(const SkyRun& run, int view_base, const CubicTaps
                                const SunTaps& sun, float* row) {
   Row views[4];
   for (int a = 0; a < 4; ++a) {
-    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(view_base + view.first + a) * run.azimuths + azimuth.first;
+    const std::ptrdiff_t index = static_cast<std::ptrdiff_t>(view_base + view.first + a) * run.azimuths + azimuth.first;
     Row azimuths[4];
     for (int b = 0; b < 4; ++b) {
       azimuths[b] = run.of_sun != nullptr
-                        ? load_row(run.of_sun + (place + b) * kSkyRow)
-                        : over_suns(run.rows + ((place + b) * run.suns + sun.cubic.first) * kSkyRow, sun);
+                        ? load_row(run.of_sun + (index + b) * kSkyRow)
+                        : over_suns(run.rows + ((index + b) * run.suns + sun.cubic.first) * kSkyRow, sun);
     }
     views[a] = cubic(azimuths, azimuth);
   }
@@ -313,7 +313,7 @@ WELKIN_INLINE void multiply_aureole(const float* aureole, float position, float*
   for (int c = 0; c < 3; ++c) rgb[c] = rgb[c] * (low[c] + part * (low[kSkyColour + c] - low[c]));
 }
 
-/// What the ground adds, at the end of a ray with these taps.
+/// Adds the ground's light, at the end of a ray with these taps.
 WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double position, float* rgb) {
   const int limit = run.grounds - 2;
   const int node = static_cast<int>(position) < limit ? static_cast<int>(position) : limit;
@@ -329,7 +329,7 @@ WELKIN_INLINE void add_ground(const SkyRun& run, const CubicTaps& view, double p
   }
 }
 
-/// What the night adds.
+/// Adds the night's light.
 WELKIN_INLINE void add_night(const SkyRun& run, double position, float* rgb) {
   const int node = static_cast<int>(position) < run.nights - 2 ? static_cast<int>(position) : run.nights - 2;
   const auto t = static_cast<float>(position - node);
@@ -337,25 +337,25 @@ WELKIN_INLINE void add_night(const SkyRun& run, double position, float* rgb) {
   for (int c = 0; c < 3; ++c) rgb[c] = rgb[c] + (low[c] + t * (low[kSkyColour + c] - low[c]));
 }
 
-WELKIN_INLINE void look_up(const SkyRun& run, const Places& places, int k, float* rgb) {
-  const double fade = run.outside ? places.fade[k] : static_cast<double>(run.fade);
-  const bool ends = places.ends[k] > 0.0;
+WELKIN_INLINE void look_up(const SkyRun& run, const Positions& positions, int k, float* rgb) {
+  const double fade = run.outside ? positions.fade[k] : static_cast<double>(run.fade);
+  const bool ends = positions.ends[k] > 0.0;
   rgb[0] = rgb[1] = rgb[2] = 0.0F;
-  if (run.outside && !(places.hit[k] > 0.0)) return;
-  const CubicTaps view = taps_at(places.view[k], run.half);
-  const CubicTaps azimuth = taps_at(places.azimuth[k], run.azimuths);
-  const SunTaps sun = run.outside ? sun_taps_at(run, places.sun[k]) : run.sun_taps;
+  if (run.outside && !(positions.hit[k] > 0.0)) return;
+  const CubicTaps view = taps_at(positions.view[k], run.half);
+  const CubicTaps azimuth = taps_at(positions.azimuth[k], run.azimuths);
+  const SunTaps sun = run.outside ? sun_taps_at(run, positions.sun[k]) : run.sun_taps;
   alignas(32) float row[kSkyRow];
   interpolate(run, ends ? 0 : run.half, view, azimuth, sun, row);
-  const float rayleigh = static_cast<float>(places.rayleigh[k]) * kRayleigh;
+  const float rayleigh = static_cast<float>(positions.rayleigh[k]) * kRayleigh;
   float aerosol[3];
-  for (int c = 0; c < 3; ++c) aerosol[c] = static_cast<float>(places.aerosol[run.lobes > 1 ? c : 0][k]);
-  if (run.hazy) multiply_aureole(run.aureole, static_cast<float>(places.aureole[k]), aerosol);
+  for (int c = 0; c < 3; ++c) aerosol[c] = static_cast<float>(positions.aerosol[run.lobes > 1 ? c : 0][k]);
+  if (run.hazy) multiply_aureole(run.aureole, static_cast<float>(positions.aureole[k]), aerosol);
   for (int c = 0; c < 3; ++c) {
     rgb[c] = static_cast<float>(fade) * (positive(row[c]) * rayleigh + positive(row[4 + c]) * aerosol[c]);
   }
-  if (ends && run.reach != nullptr) add_ground(run, view, places.ground[k], rgb);
-  if (!ends && run.night != nullptr) add_night(run, places.night[k], rgb);
+  if (ends && run.reach != nullptr) add_ground(run, view, positions.ground[k], rgb);
+  if (!ends && run.night != nullptr) add_night(run, positions.night[k], rgb);
 }
 
 void reduce_sky(const SkyRun& run, float* of_sun) {
@@ -367,7 +367,7 @@ void reduce_sky(const SkyRun& run, float* of_sun) {
 }
 
 void sky_radiance(const SkyRun& run, const double* directions, int count, float* rgb) {
-  Places places;
+  Positions positions;
   for (int first = 0; first < count; first += kLanes) {
     const int part = count - first < kLanes ? count - first : kLanes;
     alignas(64) double x[kLanes];
@@ -380,10 +380,10 @@ void sky_radiance(const SkyRun& run, const double* directions, int count, float*
       z[k] = from[2];
     }
     for (int k = 0; k < part; k += kDoubleWidth) {
-      find_places(run, DoubleLanes::load_aligned(x + k), DoubleLanes::load_aligned(y + k),
-                  DoubleLanes::load_aligned(z + k), k, places);
+      locate(run, DoubleLanes::load_aligned(x + k), DoubleLanes::load_aligned(y + k), DoubleLanes::load_aligned(z + k),
+             k, positions);
     }
-    for (int k = 0; k < part; ++k) look_up(run, places, k, rgb + std::ptrdiff_t{3} * (first + k));
+    for (int k = 0; k < part; ++k) look_up(run, positions, k, rgb + std::ptrdiff_t{3} * (first + k));
   }
 }
 
@@ -404,7 +404,7 @@ WELKIN_INLINE Lanes rayleigh_phase(const SkyRings& rings, Lanes x) {
   return Lanes(rings.rayleigh) * (one + cosine * cosine);
 }
 
-/// Of one channel between four suns; `values` are the first one's of this register's rings.
+/// Returns a channel's light between four suns; `values` are the first one's of this register's rings.
 WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   constexpr int sun = kSkyChannels * kSkyRings;
   const Lanes a = Lanes(rings.sun_weights[0]) * Lanes::load_aligned(values);
@@ -414,7 +414,7 @@ WELKIN_INLINE Lanes between_suns(const SkyRings& rings, const float* values) {
   return (a + b) + (c + d);
 }
 
-/// The azimuth nodes about an azimuth, between suns. Azimuths follow each other, so that four are kept: most ask for
+/// The azimuth nodes about an azimuth, between suns. Azimuths follow each other, so that four are kept: most need
 /// none that the one before did not.
 struct NearNodes {
   int node[4] = {-1, -1, -1, -1};
@@ -422,15 +422,15 @@ struct NearNodes {
 };
 
 /// `values` are those of this register's rings.
-/// Nodes' places are their numbers modulo 4: any four that follow each other have four different ones, and moving on by
+/// Nodes' slots are their numbers modulo 4: any four that follow each other have four different ones, and moving on by
 /// one node overwrites the one that is no longer needed.
 WELKIN_INLINE void bring(const SkyRings& rings, const CubicTaps& taps, const float* values, NearNodes& near) {
   for (int node = taps.first; node < taps.first + 4; ++node) {
-    const int place = node & 3;
-    if (near.node[place] == node) continue;
-    near.node[place] = node;
+    const int slot = node & 3;
+    if (near.node[slot] == node) continue;
+    near.node[slot] = node;
     const float* const from = values + node * rings.node_step;
-    for (int c = 0; c < kSkyChannels; ++c) near.light[place][c] = between_suns(rings, from + c * kSkyRings);
+    for (int c = 0; c < kSkyChannels; ++c) near.light[slot][c] = between_suns(rings, from + c * kSkyRings);
   }
 }
 

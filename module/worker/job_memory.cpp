@@ -19,8 +19,8 @@ struct FreeBlock {
   FreeBlock* next;
 };
 
-/// A stack of blocks of one size that are not in use. No thread waits for another one here: whoever takes a block takes
-/// the whole stack and puts the rest back, and who finds nothing meanwhile asks the system.
+/// A stack of blocks of one size that are not in use. No thread waits for another here: a thread that takes a block
+/// takes the whole stack and puts the rest back. A thread that finds it empty meanwhile allocates from the system.
 class FreeBlocks {
  public:
   void* take() noexcept {

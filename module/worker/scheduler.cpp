@@ -30,20 +30,20 @@ constexpr int kMaxThreads = 1024;
 
 void check(const WorkerOptions& options) {
   const int threads = options.executor ? options.executor->concurrency() : options.threads;
-  const int least = options.executor ? 1 : 0;
+  const int minimum = options.executor ? 1 : 0;
   const char* what = options.executor ? "WorkerOptions: the executor's concurrency" : "WorkerOptions: threads";
-  platform::require_between(what, threads, least, kMaxThreads);
+  platform::require_between(what, threads, minimum, kMaxThreads);
   if (options.max_jobs == 0) {
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at least 1");
+    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at minimum 1");
   }
 }
 
 // A fork has a copy of it, as it was when it was made.
 std::atomic<std::int64_t> sound_process{platform::process_number()};
 
-/// Throws `Error` (stopped) in a fork that may have locks which nobody opens: a thread of the parent's may have been
-/// anywhere, in our caches, in oneTBB's heap in the middle of an allocation, or asleep on a stack that a thread of this
-/// process has now.
+/// Throws `Error` (stopped) in a fork that may have locks which no thread will open: a thread of the parent may have
+/// been anywhere, in our caches, in oneTBB's heap in the middle of an allocation, or asleep on a stack that a thread of
+/// this process has now.
 void require_no_lost_locks() {
   if (sound_process == platform::process_number()) return;
   if (jobs::activities != 0) {
@@ -77,7 +77,7 @@ stop_source make_stop_source() noexcept {
   }
 }
 
-/// What an executor is given to call.
+/// The task that an executor is given to call.
 struct LentTask : InJobMemory {
   explicit LentTask(std::shared_ptr<Scheduler> its_scheduler) noexcept : scheduler(std::move(its_scheduler)) {}
   std::shared_ptr<Scheduler> scheduler;
@@ -155,7 +155,7 @@ Scheduler::LockedState::~LockedState() {
     work.news = std::exchange(scheduler_.news_, false);
     lock_.unlock();
     scheduler_.carry_out(work);
-    // What came while the mutex was held, by this thread or by another one that `carry_out` has met.
+    // Submissions that came while the mutex was held, from this thread or from another one that `carry_out` has met.
     if (!scheduler_.inbox_has_something() || !lock_.try_lock()) return;
     scheduler_.empty_inbox(work);
   }
@@ -169,7 +169,7 @@ void Scheduler::put_in_inbox(std::unique_ptr<Submission> submission) {
   const LockedState state(*this, Lock(mutex_, std::try_to_lock));
 }
 
-/// After the mutex was unlocked. An exchange and not a load, so that it has a place in the order of the inbox's
+/// Called after the mutex was unlocked. An exchange and not a load, so that it is ordered among the inbox's
 /// changes: a submission comes before it, and is seen, or after it, and then its thread sees the mutex unlocked.
 bool Scheduler::inbox_has_something() noexcept {
   Submission* none = nullptr;
@@ -221,19 +221,19 @@ void Scheduler::submit(const std::shared_ptr<JobRecord>& job, const PostOptions&
   }
 }
 
-/// Returns why a job that may be beyond the limits is refused. Without a reason, it has its place within them.
+/// Returns why a job that may be beyond the limits is refused. Without a reason, its slot within them is reserved.
 std::optional<ErrorCode> Scheduler::reason_to_refuse(const Submission& submission) {
   if (closed_) return ErrorCode::stopped;
   const std::uint64_t bytes = submission.job->computation->bytes;
   if (bytes > options_.max_bytes) return ErrorCode::limit_exceeded;
-  // Withdrawing a waiting job of the same key makes room at once.
+  // Withdrawing a waiting job of the same key frees its slot at once.
   const auto newest = newest_.find(submission.job->key);
   const bool frees = newest != newest_.end() && is_waiting(*newest->second->computation);
   const bool fits = reserve(bytes, frees ? 1 : 0, frees ? newest->second->computation->bytes : 0);
   return fits ? std::nullopt : std::optional(ErrorCode::queue_full);
 }
 
-/// A job with a place within the limits.
+/// Admits a job that has a slot within the limits.
 void Scheduler::admit(Submission& submission, AfterUnlock& work) {
   const std::shared_ptr<JobRecord>& job = submission.job;
   const std::shared_ptr<Computation>& posted = job->computation;
@@ -274,11 +274,11 @@ void Scheduler::settle(JobRecord& job) {
   if (newest != newest_.end() && newest->second.get() == &job) newest_.erase(newest);
 }
 
-// Giving jobs up, and what follows when they are done.
+// Cancelling jobs, and what follows when they are done.
 
 bool Scheduler::withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, AfterUnlock& work) {
   if (job->settled || job->withdrawn) return false;
-  // A continuation that has not started cancels the job that it follows, which nobody else hears of.
+  // A continuation that has not started cancels the job that it follows, whose result nothing else receives.
   while (job && !job->settled && !job->withdrawn) {
     job->withdrawn = reason;
     const std::shared_ptr<Computation> computation = job->computation;
@@ -323,8 +323,8 @@ void Scheduler::dispatch_followers(JobRecord& job, AfterUnlock& work) {
   }
 }
 
-/// Of a computation that waits, and that no thread will start: because of the error, because it was withdrawn, or as
-/// the worker has ended.
+/// Ends a waiting computation that no thread will start: because of the error, because it was withdrawn, or as the
+/// worker has ended.
 void Scheduler::end(const std::shared_ptr<Computation>& computation, std::exception_ptr error, AfterUnlock& work) {
   if (JobRecord* const job = computation->record.get()) {
     job->error = error;
@@ -344,10 +344,10 @@ void Scheduler::tell_jobs_of(AfterUnlock& work) {
   }
 }
 
-/// Without the mutex. All jobs have got their errors before any coroutine goes on, because it may wait for one of them.
+/// Called without the mutex. All jobs have their errors before any coroutine goes on, as it may wait for one of them.
 void Scheduler::carry_out(AfterUnlock& work) {
-  // Code of the user's may throw out of a coroutine, a destructor or a stop callback, and there is nobody to throw to,
-  // as on a thread of the worker.
+  // User code may throw out of a coroutine, a destructor or a stop callback, and no caller could catch it, as on a
+  // thread of the worker.
   const auto go_on = [](const auto& call) {
     try {
       call();
@@ -357,7 +357,7 @@ void Scheduler::carry_out(AfterUnlock& work) {
   if (work.news) signal();
   wake_workers(work);
   while (work.stopping) {
-    // Whatever the request hung on its stop token runs here, and could not wait for the request's end.
+    // The request's callbacks on its stop token run here, and could not wait for the request's end.
     const ThreadRole role(*this, ThreadRole::bystander);
     const std::shared_ptr<Computation> computation = std::move(work.stopping);
     work.stopping = std::move(computation->next_to_stop);
@@ -438,7 +438,7 @@ void Scheduler::enqueue(const std::shared_ptr<Computation>& computation, Computa
   computation->place = in_front ? list.begin() : std::prev(list.end());
 }
 
-/// For a thread, unless none will come.
+/// Lets a computation wait for a thread, unless none will come.
 void Scheduler::let_wait(const std::shared_ptr<Computation>& computation, ComputationList& from, bool in_front,
                          AfterUnlock& work) {
   enqueue(computation, from, in_front);
@@ -472,7 +472,7 @@ void Scheduler::set_priority(const JobRecord& job, TaskPriority priority) {
 
 // Threads.
 
-/// With the mutex held: whom to call for what waits.
+/// Plans, with the mutex held, which threads to call for computations that wait.
 void Scheduler::plan_calls(AfterUnlock& work) {
   if (own_threads_) {
     // While something runs, threads that are parked may be inside of its tasks, and it does not show which: all are
@@ -484,11 +484,11 @@ void Scheduler::plan_calls(AfterUnlock& work) {
     if (work.tasks <= 0) return;
     lent_ += work.tasks;
     unstarted_ += work.tasks;
-    ++lending_;  // until this is over, whoever ends the worker waits: the executor may go then
+    ++lending_;  // until this is over, the thread that ends the worker waits: the executor may go then
   }
 }
 
-/// Without the mutex, and without any other lock: `post` comes through here.
+/// Called without the mutex, and without any other lock: `post` comes through here.
 void Scheduler::wake_workers(AfterUnlock& work) {
   if (own_threads_) {
     own_threads_->call(std::exchange(work.startable, 0));
@@ -507,7 +507,7 @@ void Scheduler::wake_workers(AfterUnlock& work) {
     state.work.refused = true;
     lent_ -= tasks;
     unstarted_ -= tasks;
-    // A task that is there yet will ask again when it ends. If there is none, nobody will.
+    // A task that is there yet will ask again when it ends. If there is none, nothing will.
     for (ComputationList& list : waiting_) {
       while (lent_ == 0 && !list.empty()) {
         end(std::shared_ptr<Computation>(list.front()), std::current_exception(), state.work);
@@ -642,7 +642,7 @@ void Scheduler::wait(const JobRecord& job) {
   });
 }
 
-/// What must run first for the job, if no thread has started it.
+/// Returns the computation that must run first for the job; null if a thread has started it.
 std::shared_ptr<Computation> Scheduler::startable_for(const JobRecord& job) const {
   const std::shared_ptr<Computation>* first = &job.computation;
   while ((*first)->parent) first = &(*first)->parent->computation;

@@ -6,8 +6,8 @@
 //
 // The threads of a worker may rank so low that the system keeps them off the processors for seconds, also while they
 // hold the mutex. So `post`, `then` and `on_drain` do not wait for it. They put what they bring into an inbox, a list
-// without a lock, and try the mutex once. Whoever holds it looks into the inbox when taking it and after letting go of
-// it, so that nothing stays there (`LockedState`).
+// without a lock, and try the mutex once. The thread that holds the mutex looks into the inbox when taking it and after
+// letting go of it, so that nothing stays there (`LockedState`).
 //
 // A computation is in one of three kinds of list: that of its parent's followers, one of those that wait, that of those
 // that run. It is in none before it is let in and when it is over.
@@ -38,7 +38,7 @@ class ThreadExecutor;
 struct AfterUnlock {
   ComputationList at_once;                ///< that are to run here
   ComputationList ended;                  ///< that will not start: cancelled, or the worker has ended
-  std::shared_ptr<Computation> stopping;  ///< that run for nobody any more: the first, and `next_to_stop`
+  std::shared_ptr<Computation> stopping;  ///< whose results are not needed any more: the first, and `next_to_stop`
   int startable = 0;                      ///< how many have begun to wait for a thread
   int tasks = 0;                          ///< to be handed to the executor
   bool refused = false;                   ///< the executor has just refused a task: do not ask again at once
@@ -48,9 +48,9 @@ struct AfterUnlock {
 using JobsByKey = std::map<JobKey, std::shared_ptr<JobRecord>, std::less<>,
                            JobAllocator<std::pair<const JobKey, std::shared_ptr<JobRecord>>>>;
 
-/// Of what a posting thread makes with `new` and a thread of the worker deletes.
+/// Base of objects that a posting thread makes with `new` and a thread of the worker deletes.
 struct InJobMemory {
-  // NOLINTNEXTLINE(misc-new-delete-overloads): the delete that is told the size is this one's
+  // NOLINTNEXTLINE(misc-new-delete-overloads): the delete that takes the size is this one's
   static void* operator new(std::size_t bytes) { return allocate_job_memory(bytes); }
   static void operator delete(void* block, std::size_t bytes) noexcept { free_job_memory(block, bytes); }
 };
@@ -58,11 +58,11 @@ struct InJobMemory {
 /// Gives the system back what is kept for later posts.
 void give_back_job_memory() noexcept;
 
-/// Why a job that is ready has no result, or that there was no memory to say it; null if it has one. Who gives jobs up
-/// by the hundred does not make errors that nobody may want: they are made here.
+/// Returns why a job that is ready has no result, or that there was no memory to say it; null if it has one. Errors are
+/// made here, so that cancelling jobs by the hundred makes none that are never read.
 [[nodiscard]] std::exception_ptr error_of(const JobRecord& job) noexcept;
 
-/// What comes in, with the list nodes that it needs later: a posted job, or a computation that follows a job.
+/// A posted job, or a computation that follows a job, with the list nodes that it needs later.
 struct Submission : InJobMemory {
   Submission(std::shared_ptr<Computation> computation, std::shared_ptr<JobRecord> its_job,
              std::shared_ptr<JobRecord> its_parent);
@@ -98,14 +98,14 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void wait(const JobRecord& job);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
-  /// After `terminate`, when the worker goes: drops what was not drained, and lets go of threads that cannot be waited
+  /// Called after `terminate`, when the worker goes. Drops what was not drained, lets go of threads not to be waited
   /// for because this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
   void abandon_rest();
   void wait_until_idle();
   [[nodiscard]] WorkerLoad load();
   [[nodiscard]] int threads() const noexcept { return threads_; }
 
-  // What threads do that run computations.
+  // Called by threads that run computations.
   /// Runs the first of those that wait and have this priority or a higher one; false if there is none. `lent`: as a
   /// task of the executor's.
   bool run_next(bool lent = false, TaskPriority least = TaskPriority::low);
@@ -131,7 +131,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
     Lock lock_;
   };
 
-  /// Whether this process is a fork of the one that the worker, and all of its threads, are in.
+  /// Returns whether this process is a fork of the one that the worker, and all of its threads, are in.
   [[nodiscard]] bool is_forked() const noexcept;
   /// Throws `Error` (stopped) in one.
   void require_own_process() const;
@@ -201,8 +201,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   int unstarted_ = 0;                      ///< of these, that it has not called yet
   std::atomic<int> lending_{0};            ///< threads that are inside the executor's `enqueue`
   std::atomic<bool> closed_{false};        ///< terminated: nothing starts any more. Written with the mutex held
-  bool abandoned_ = false;                 ///< nobody will drain any more
-  bool news_ = false;                      ///< what somebody may wait for has happened: a job done, a computation over
+  bool abandoned_ = false;                 ///< no thread will drain any more
+  bool news_ = false;                      ///< an event that threads wait for: a job is done, or a computation over
 
   std::atomic<int> signals_{0};  ///< how often there was news. Not a condition variable: `post` signals too, and must
                                  ///< not wait for a mutex that a thread of ours holds

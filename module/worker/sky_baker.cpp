@@ -8,7 +8,7 @@
 
 namespace welkin::worker {
 
-/// If the worker lets go of it without having run it, the baker must know.
+/// A request that tells the baker if the worker lets go of it without having run it.
 class SkyBaker::Request {
  public:
   explicit Request(std::shared_ptr<SkyBaker> baker) : baker_(std::move(baker)) {}
@@ -40,8 +40,8 @@ SkyBaker::Step SkyBaker::next_step() const noexcept {
   if (closed_) return Step::none;
   const bool curve = curve_is_due();
   const bool specular = specular_is_due();
-  // What the last tables were made for comes before the next ones: an atmosphere that never rests must not keep light
-  // waiting for ever.
+  // Curves and reflections of the last tables come before the next tables: an atmosphere that never rests must not
+  // keep light waiting for ever.
   const bool unused = (curve && curve_tables_ != done_.tables) || (specular && specular_tables_ != done_.tables);
   if (done_.tables != target_.versions.tables && !unused) return Step::tables;
   // In turns: an altitude that never rests must not keep reflections waiting for ever.
@@ -49,7 +49,7 @@ SkyBaker::Step SkyBaker::next_step() const noexcept {
   return specular ? Step::specular : Step::none;
 }
 
-/// With the mutex held. True if a request is to be posted, by this thread then.
+/// Called with the mutex held. Returns true if this thread is to post a request.
 bool SkyBaker::claim() noexcept {
   if (running_ || next_step() == Step::none) return false;
   running_ = true;
@@ -76,7 +76,7 @@ void SkyBaker::retry() {
   post();
 }
 
-/// After `claim`, and with the mutex free: the worker may let go of the request at once.
+/// Called after `claim`, with the mutex free: the worker may let go of the request at once.
 void SkyBaker::post() { worker_.post(Request(shared_from_this()), {.priority = options_.priority}); }
 
 void SkyBaker::dropped() noexcept {
@@ -183,7 +183,7 @@ void SkyBaker::make(Step step, const SkyTarget& target, const Control& control) 
   }
 }
 
-/// With the mutex held. Marks a step as done, or as not to be tried again; without tables that goes for all steps.
+/// Called with the mutex held. Marks a step as done or not to be tried again; without tables that goes for all steps.
 void SkyBaker::settle(Step step, const SkyVersions& wanted, std::exception_ptr error) {
   const bool no_tables = error && step == Step::tables;
   if (step == Step::tables) {
@@ -214,8 +214,8 @@ std::optional<SkyUpdates> SkyBaker::try_take(bool curve, bool reflections,
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock.owns_lock()) return std::nullopt;
   for (std::shared_ptr<const void>& old : garbage) {
-    const auto place = std::find(retired_.begin(), retired_.end(), nullptr);
-    if (place != retired_.end()) place->swap(old);
+    const auto slot = std::find(retired_.begin(), retired_.end(), nullptr);
+    if (slot != retired_.end()) slot->swap(old);
   }
   SkyUpdates taken;
   if (curve) taken.curve = std::exchange(updates_.curve, {});

@@ -1,4 +1,4 @@
-// What a dynamic sky has made on a worker: one thing at a time, always the latest that is wished for.
+// The results that a dynamic sky makes on a worker: one at a time, always the latest that is wanted.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace welkin::worker {
 
-/// How often each was asked for; what was made last carries the number it was made for.
+/// Numbers of requests so far; the latest result carries the number of the request that it was made for.
 struct SkyVersions {
   std::uint64_t tables = 0;
   std::uint64_t curve = 0;
@@ -42,11 +42,11 @@ struct BakedReflections {
   glm::dvec3 sun{0.0, 1.0, 0.0};
 };
 
-/// What has been made and not been taken.
+/// Results that have been made and not been taken.
 struct SkyUpdates {
   BakedCurve curve;
   BakedReflections reflections;
-  bool more_to_come = false;  ///< something is being made or waits to be made, or was not asked for
+  bool more_to_come = false;  ///< something is being made or waits to be made, or was not requested
 };
 
 struct SkyBakeCounts {
@@ -59,20 +59,20 @@ class SkyBaker : public std::enable_shared_from_this<SkyBaker> {
   SkyBaker(Worker& worker, SkyLightOptions options, std::shared_ptr<const SkyTables> tables);
 
   /// Changes the target, and posts a request if one is due and none is in the worker's hands.
-  /// `stop`: tables that are being made are for nothing now. They are given up, but only once between two tables that
-  /// are finished: else a target that changes faster than tables are made would never see any.
+  /// `stop`: tables that are being made are useless now. They are cancelled, but only once between two tables that are
+  /// finished: else a target that changes faster than tables are made would never see any.
   void set(const SkyTarget& target, bool stop);
 
   /// Posts a request if one is due and none is in the worker's hands, as after one that the worker let go of. Does
-  /// nothing if the lock is held by somebody.
+  /// nothing if another thread holds the lock.
   void retry();
 
   /// Stops what is being made; nothing is posted any more.
   void close() noexcept;
 
-  /// For the frame: what has been made, a curve or reflections only where they are asked for. In return it takes what
-  /// the frame has no more use for, as far as there is room, so that it is freed on the worker. Nothing happens if the
-  /// lock is held by somebody: it does not wait.
+  /// Returns what has been made for a frame, a curve or reflections only where requested. In return it takes what the
+  /// frame has no more use for, as far as there is space, so that it is freed on the worker. Does nothing if another
+  /// thread holds the lock: it does not wait.
   [[nodiscard]] std::optional<SkyUpdates> try_take(bool curve, bool reflections,
                                                    std::span<std::shared_ptr<const void>> garbage) noexcept;
 
@@ -101,7 +101,7 @@ class SkyBaker : public std::enable_shared_from_this<SkyBaker> {
   SkyTarget target_;
   SkyVersions done_;
   std::uint64_t curve_tables_ = 0;     ///< version of the tables that the last curve was made from
-  std::uint64_t specular_tables_ = 0;  ///< likewise the last reflections
+  std::uint64_t specular_tables_ = 0;  ///< version of the tables that the last reflections were made from
   SkyUpdates updates_;
   SkyBakeCounts counts_;
   std::shared_ptr<const SkyTables> tables_;
@@ -110,7 +110,7 @@ class SkyBaker : public std::enable_shared_from_this<SkyBaker> {
   std::exception_ptr error_;
   Step last_ = Step::none;  ///< that was begun
   bool running_ = false;
-  bool spared_ = false;  ///< tables were given up since the last that were finished: the next ones are not
+  bool spared_ = false;  ///< tables were cancelled since the last that were finished: the next ones are not
   bool closed_ = false;
 };
 

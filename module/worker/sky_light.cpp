@@ -48,13 +48,13 @@ glm::dvec3 unit(const glm::dvec3& direction) {
   return glm::normalize(math::rescaled_direction(direction, "dynamic sky: the sun's direction"));
 }
 
-/// Of the sun, (sine, cosine); in the zenith that of +z.
+/// Returns the sun's azimuth as (sine, cosine); at the zenith that of +z.
 glm::dvec2 azimuth(const glm::dvec3& sun) {
   const double across = std::sqrt(sun.x * sun.x + sun.z * sun.z);
   return across > 0.0 ? glm::dvec2(sun.x / across, sun.z / across) : glm::dvec2(0.0, 1.0);
 }
 
-/// About the vertical, from one sun's azimuth to the other's.
+/// Returns the rotation about the vertical from one sun's azimuth to the other's.
 glm::dmat3 rotate(const glm::dvec3& from, const glm::dvec3& to) {
   const glm::dvec2 a = azimuth(from);
   const glm::dvec2 b = azimuth(to);
@@ -100,7 +100,7 @@ struct SkyLight::State {
   glm::dvec3 sun{0.0, 1.0, 0.0};
   double intensity = 1.0;
   double sun_gap;       ///< sin^2 of half the threshold
-  double specular_gap;  ///< likewise
+  double specular_gap;  ///< sin^2 of half the threshold for reflections
   Blend<worker::BakedCurve> curves;
   Blend<worker::BakedReflections> reflections;
   std::vector<glm::dvec3> older_light;
@@ -235,7 +235,7 @@ void SkyLight::State::request_light(bool stop) {
   baker->set(target, stop);
 }
 
-/// What comes while something is being blended waits for the end of that: there are two places only.
+/// Takes new results. Those that come during a blend wait for its end: a blend has two slots only.
 void SkyLight::State::take_news() {
   std::optional<worker::SkyUpdates> news = baker->try_take(!curves.under_way(), !reflections.under_way(), garbage);
   frame.settled = news && !news->more_to_come;
@@ -256,11 +256,11 @@ void SkyLight::State::take_news() {
 }
 
 void SkyLight::State::let_go(std::shared_ptr<const void> old) {
-  const auto place = std::find(garbage.begin(), garbage.end(), nullptr);
-  if (place != garbage.end()) *place = std::move(old);
+  const auto slot = std::find(garbage.begin(), garbage.end(), nullptr);
+  if (slot != garbage.end()) *slot = std::move(old);
 }
 
-/// Whether anything moved.
+/// Returns whether anything moved.
 bool SkyLight::State::advance(double seconds) {
   const double step = options.blend_seconds > 0.0 ? seconds / options.blend_seconds : 1.0;
   bool moved = false;

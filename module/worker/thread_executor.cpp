@@ -19,11 +19,11 @@
 namespace welkin::detail {
 namespace {
 
-/// Whether oneTBB can make the threads of the process's pool, and leave room for as many of ours and for the work.
-/// Where it cannot, it would end the process.
-bool can_make_pool_threads(int own) {
+/// Returns whether oneTBB can make the threads of the process's pool and leave memory for `threads` of ours and for
+/// the work. Where it cannot, it would end the process.
+bool can_make_pool_threads(int threads) {
   const AddressReserve reserve(kRoomForWork);
-  return reserve.held() && can_make_threads(tbb::info::default_concurrency() - 1 + own);
+  return reserve.held() && can_make_threads(tbb::info::default_concurrency() - 1 + threads);
 }
 
 /// Has oneTBB make the threads of the process's pool now, and from here. It makes them when they are first wanted, and
@@ -63,10 +63,10 @@ ThreadExecutor::ThreadExecutor(const WorkerOptions& options)
 void ThreadExecutor::set_up_thread(int number) const noexcept {
   char suffix[8] = {};
   std::snprintf(suffix, sizeof suffix, "%d", number);
-  // What is cut is the name, not what tells the threads apart.
-  const int room = static_cast<int>(kMaxNameCharacters - std::strlen(suffix) - 1);
+  // The name is cut, not the suffix that distinguishes the threads.
+  const int name_length = static_cast<int>(kMaxNameCharacters - std::strlen(suffix) - 1);
   char name[kMaxNameCharacters + 1] = {};
-  std::snprintf(name, sizeof name, "%.*s %s", room, name_.c_str(), suffix);
+  std::snprintf(name, sizeof name, "%.*s %s", name_length, name_.c_str(), suffix);
   name_current_thread(name);
   rank_current_thread(priority_);
 }
@@ -111,7 +111,7 @@ void ThreadExecutor::serve(Scheduler& scheduler, int number) {
 bool ThreadExecutor::look_for_work(Scheduler& scheduler, Sleeper& sleeper) {
   constexpr std::chrono::microseconds kTime{50};
   sleeper = &looking_;
-  // What came before this thread could be seen to look.
+  // Work that came before this thread could be seen to look.
   const WorkerLoad load = scheduler.load();
   if (!dismissed_ && load.waiting == 0 && load.running == 0) {
     spin_until([&] { return sleeper.load(std::memory_order_acquire) == nullptr; }, kTime);
@@ -123,14 +123,14 @@ void ThreadExecutor::park(Scheduler& scheduler, Sleeper& sleeper) {
   Parking parking;
   parking.blocker = parking.group.defer([] {});
   sleeper = &parking.blocker;
-  // What came after this thread looked for work, but before it could be seen to be free.
+  // Work that came after this thread looked for it, but before it could be seen to be free.
   if (dismissed_ || scheduler.load().waiting > 0) call(sleeper);
   parking.group.wait();
 }
 
 bool ThreadExecutor::call(Sleeper& sleeper) {
-  // The blocker is taken out of the parking before it goes: that is the waiting thread's, and gone as soon as the wait
-  // ends.
+  // The blocker is moved out of the parking before it goes: the parking belongs to the waiting thread, and is gone as
+  // soon as the wait ends.
   tbb::task_handle* const waiting = sleeper.load() != nullptr ? sleeper.exchange(nullptr) : nullptr;
   if (waiting == nullptr) return false;
   if (waiting == &looking_) return true;

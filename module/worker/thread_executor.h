@@ -1,4 +1,4 @@
-// The threads that a worker has of its own, in an arena that nobody else enters.
+// The threads of a worker, in an arena that no other thread enters.
 #pragma once
 
 #include <tbb/task_arena.h>
@@ -16,7 +16,7 @@
 
 namespace welkin::detail {
 
-/// Whether so many threads that are busy leave a processor for another thread. If not, nobody keeps one for waiting.
+/// Returns whether `threads` busy threads leave a processor for another one. If not, none keeps one while it waits.
 [[nodiscard]] inline bool leaves_a_processor(int threads) {
   const platform::FloatingPointScope floating_point;  // counting processors divides
   return threads < available_threads();
@@ -24,8 +24,8 @@ namespace welkin::detail {
 
 /// The threads take all slots of an arena as external threads, so that oneTBB sends none of the process's pool there,
 /// and the pool stays the engine's. A thread that finds nothing to start parks: it waits in the arena for a task group
-/// that whoever has work for it ends. oneTBB has it take part in the parallel work of the others meanwhile, and puts it
-/// to sleep if there is none.
+/// that a thread with work for it ends. oneTBB has it take part in the parallel work of the others meanwhile, and puts
+/// it to sleep if there is none.
 ///
 /// A thread that has just ended a job, when no other runs, first looks for the next one for some microseconds: jobs
 /// that are posted one after the other find it awake.
@@ -40,7 +40,7 @@ class ThreadExecutor {
 
   /// Starts the threads. They keep `scheduler`. Throws std::system_error: then some may run.
   void start(const std::shared_ptr<Scheduler>& scheduler);
-  /// Has so many parked threads look for work, or all if these are fewer. Takes no lock, as a thread of ours may hold
+  /// Has `count` parked threads look for work, or all if these are fewer. Takes no lock, as a thread of ours may hold
   /// it and be kept off the processors.
   void call(int count);
   /// Threads leave as soon as they have nothing more to do.
@@ -56,16 +56,16 @@ class ThreadExecutor {
     tbb::task_group group;
     tbb::task_handle blocker;  ///< the group's wait ends when this goes
   };
-  /// Of a blocker, or of `looking_`.
+  /// Points to a blocker, or to `looking_`.
   using Sleeper = std::atomic<tbb::task_handle*>;
 
   void serve(Scheduler& scheduler, int number);
-  /// For a while, if nothing runs. True if there may be something to start.
+  /// Looks for a while, if nothing runs. Returns whether there may be something to start.
   bool look_for_work(Scheduler& scheduler, Sleeper& sleeper);
   void park(Scheduler& scheduler, Sleeper& sleeper);
-  /// Whoever takes a thread's blocker out of its sleeper ends its wait. True if there was one.
+  /// Ends a thread's wait by extracting the blocker from its sleeper. Returns whether there was one.
   bool call(Sleeper& sleeper);
-  /// Those that only look. Returns how many there were.
+  /// Calls the threads that only look. Returns how many there were.
   int call_looking();
   void set_up_thread(int number) const noexcept;
 
@@ -82,7 +82,7 @@ class ThreadExecutor {
   std::vector<std::thread> own_threads_;
 };
 
-/// What the calling thread is to a scheduler, for as long as this object lives.
+/// The calling thread's role for a scheduler, for as long as this object lives.
 class ThreadRole {
  public:
   enum Kind {
@@ -97,11 +97,11 @@ class ThreadRole {
   ThreadRole(const ThreadRole&) = delete;
   ThreadRole& operator=(const ThreadRole&) = delete;
 
-  /// Whether the thread is either kind, and so must not wait for the scheduler's work to end.
+  /// Returns whether the thread is either kind, and so must not wait for the scheduler's work to end.
   [[nodiscard]] static bool has_any(const Scheduler& scheduler) noexcept {
     return is_worker(scheduler) || has(scheduler, bystander);
   }
-  /// Whether the scheduler may run computations on it.
+  /// Returns whether the scheduler may run computations on it.
   [[nodiscard]] static bool is_worker(const Scheduler& scheduler) noexcept { return has(scheduler, worker); }
   /// The scheduler that may run computations on the thread, the innermost one; null if there is none.
   [[nodiscard]] static Scheduler* scheduler() noexcept {

@@ -1,4 +1,4 @@
-// What users call: a worker, and the handles of its jobs.
+// Workers, and the handles of their jobs.
 #include "welkin/worker.h"
 
 #include <algorithm>
@@ -83,8 +83,8 @@ Worker::~Worker() {
   scheduler_->abandon_rest();
 }
 
-// What is called below may end with this worker gone, because a callback or a request may destroy it. So each call
-// holds the scheduler.
+// The calls below may end with this worker gone, because a callback or a request may destroy it. So each call holds the
+// scheduler.
 
 void Worker::submit(const std::shared_ptr<detail::JobRecord>& job, const PostOptions& options, std::uint64_t bytes,
                     detail::ComputationList follower) {
