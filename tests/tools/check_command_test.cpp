@@ -93,13 +93,16 @@ TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check
   const std::string said = run_welkin("check " + quoted(room.file("chain.ktx2")) + " " + quoted(room.source())).output;
   CHECK(contains(said, "Nothing is wrong with orientation, scale, roughness and edges."));
 
-  PrefilterOptions fitted{.size = kSize, .roughness = mip_roughness(RoughnessSchedule::linear, 5, kSize)};
-  fitted.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::linear, 5, kSize);
-  const nlohmann::json of_lookups = room.check(prefilter_specular(room.view(), fitted).cubemap, "--roughness linear");
-  CHECK(findings_of(of_lookups).empty());
-  CHECK(of_lookups["rms"].get<double>() < 1e-3);
-  CHECK(of_lookups["mips"][4]["roughness"] == 1.0);
-  CHECK(of_lookups["mips"][4]["lobe_roughness"] == fitted.lobe_roughness[4]);
+  const auto out = room.file("out");  // lobes fitted to lookups, in whole chains and in parts
+  for (const auto& [bake, check] :
+       {std::pair{" --mips 2", "--roughness filament"}, {" --glossy 0.2,0.6", ""}, {"", "--mips 3"}}) {
+    bake_into(out, quoted(room.source()) + " --size 32 --formats ktx2 --ktx2-format rgba32f --fit-lookups on" + bake);
+    const nlohmann::json of_lookups = room.check(out / "specular.ktx2", check);
+    CAPTURE(bake, check);
+    CHECK(of_lookups["fits_lookups"] == true);
+    CHECK(findings_of(of_lookups).empty());
+    CHECK(of_lookups["rms"].get<double>() < 1e-3);
+  }
 }
 
 TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slow]") {
