@@ -32,9 +32,7 @@ class Room {
   [[nodiscard]] EnvironmentView view() const { return environment_.view(); }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return directory_.file(name); }
   [[nodiscard]] Cubemap chain(std::vector<double> roughness = {}) const {
-    PrefilterOptions options{.size = kSize};
-    options.roughness = std::move(roughness);
-    return prefilter_specular(view(), options).cubemap;
+    return prefilter_specular(view(), {.size = kSize, .roughness = std::move(roughness)}).cubemap;
   }
 
   /// The report on a chain in floats.
@@ -159,8 +157,7 @@ TEST_CASE("command: check finds nothing in even light, at any size", "[tools][ch
     Cubemap chain(size, std::min(full_chain_levels(size), 3));
     std::ranges::fill(chain.pixels(), 0.5F);
     write_texture(directory.file("chain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
-    const nlohmann::json report =
-        json_printed_by("check --json " + quoted(directory.file("chain.ktx2")) + " " + quoted(source));
+    const auto report = json_printed_by("check --json " + quoted(directory.file("chain.ktx2")) + " " + quoted(source));
     CAPTURE(size, report["findings"]);
     CHECK(report["findings"].empty());
     CHECK(report["rms"].get<double>() < 2e-4);
