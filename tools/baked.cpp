@@ -1,14 +1,13 @@
 #include "tools/baked.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <iostream>
 #include <limits>
 #include <utility>
 
+#include "tools/chain_check.h"
 #include "tools/engine_folders.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
@@ -429,17 +428,11 @@ void use_rotated_radiance(const BakeSource& source, Baked& baked) {
   const std::optional<SphericalHarmonics>& whole = source.rotated_radiance();
   if (!whole || !baked.light.radiance || whole->bands() < baked.light.radiance->bands()) return;
   SphericalHarmonics exact = resized(*whole, baked.light.radiance->bands());
-  double difference = 0.0;
-  double square = 0.0;
-  for (std::size_t k = 0; k < exact.coefficients().size(); ++k) {
-    const glm::dvec3 off = baked.light.radiance->coefficients()[k] - exact.coefficients()[k];
-    difference += glm::dot(off, off);
-    square += glm::dot(exact.coefficients()[k], exact.coefficients()[k]);
-  }
-  if (!(difference > kRounding * kRounding * square)) return;
+  const double difference = relative_difference(*baked.light.radiance, exact);
+  if (!(difference > kRounding)) return;
   baked.light.radiance = std::move(exact);
   baked.notes.push_back("the image was rotated by resampling, by which its harmonics differ by " +
-                        significant(100.0 * std::sqrt(difference / square), 2) +
+                        significant(100.0 * difference, 2) +
                         " %; harmonics are rotated exactly, cubemaps are made from the rotated image");
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "image/geometry.h"
+#include "image/pixels.h"
 #include "tools/terminal.h"
 #include "tools/text.h"
 #include "welkin/core.h"
@@ -273,13 +274,13 @@ std::vector<std::string> seams_of(const Cubemap& image, const Cubemap& truth, co
   return seams;
 }
 
-/// Returns the root mean square distance between a table and the fitted roughness of the mips after the first; the
+/// Returns the root mean square distance between a table and the fitted roughness of the mips, without mirrors; the
 /// largest number if no mip was fitted.
-double distance_to(const std::vector<double>& table, const std::vector<MipCheck>& mips) {
+double distance_to(std::span<const double> table, const std::vector<MipCheck>& mips) {
   double squares = 0.0;
   int fitted = 0;
-  for (std::size_t mip = 1; mip < mips.size(); ++mip) {
-    if (!mips[mip].fitted || mips[mip].size < 4) continue;  // a mip of a few texels says little about its lobe
+  for (std::size_t mip = 0; mip < mips.size(); ++mip) {
+    if (!mips[mip].fitted || mips[mip].size < 4 || table[mip] == 0.0) continue;  // a few texels say little
     const double distance = *mips[mip].fitted - table[mip];
     squares += distance * distance;
     ++fitted;
@@ -287,32 +288,40 @@ double distance_to(const std::vector<double>& table, const std::vector<MipCheck>
   return fitted > 0 ? std::sqrt(squares / fitted) : std::numeric_limits<double>::max();
 }
 
-/// Finds the schedule that is nearest to the fitted roughness of the mips after the first, or the stated schedule if
-/// its lobes for lookups between mips are much nearer.
+/// Finds the schedule that is nearest to the fitted roughness of the mips, or the stated schedule if its lobes for
+/// lookups between mips are much nearer. Such lobes are fitted to a whole chain, of which the mips may be a part: bakes
+/// and checks can leave mips out.
 void find_schedule(ChainCheck& check, const std::vector<double>& stated) {
-  const int mips = static_cast<int>(check.mips.size());
-  const int size = check.mips.front().size;
-  if (mips < 3 || mips > 16) return;
-  double minimum = std::numeric_limits<double>::max();
-  for (const RoughnessSchedule schedule : kRoughnessSchedules) {
-    const double distance = distance_to(mip_roughness(schedule, mips, size), check.mips);
-    if (distance >= minimum) continue;
-    minimum = distance;
-    check.schedule = schedule;
-    check.schedule_distance = distance;
-  }
   constexpr double kNear = 0.05;
-  if (minimum > kNear) check.schedule.reset();
+  const auto mips = check.mips.size();
+  const int size = check.mips.front().size;
+  double minimum = kNear;
+  const auto is_nearer = [&](RoughnessSchedule schedule, std::span<const double> table) {
+    const double distance = distance_to(table, check.mips);
+    if (distance >= minimum) return false;
+    check.schedule = schedule;
+    check.schedule_distance = minimum = distance;
+    return true;
+  };
+  for (const RoughnessSchedule schedule : kRoughnessSchedules) {
+    if (mips >= 3 && mips <= 16) is_nearer(schedule, mip_roughness(schedule, static_cast<int>(mips), size));
+  }
+  if (mips < 2 || stated.empty()) return;
+  minimum = std::min(kNear, 0.5 * distance_to(stated, check.mips));
   const auto is_same = [](double a, double b) { return std::abs(a - b) < 1e-3; };
   for (const RoughnessSchedule schedule : kRoughnessSchedules) {
-    if (!std::ranges::equal(stated, mip_roughness(schedule, mips, size), is_same)) continue;
-    const std::vector<double> lobes = fitted_mip_roughness(schedule, mips, size);
-    const double distance = distance_to(lobes, check.mips);
-    if (!(distance < 0.5 * distance_to(stated, check.mips)) || distance > kNear) continue;
-    check.schedule = schedule;
-    check.schedule_distance = distance;
-    check.fits_lookups = true;
-    for (std::size_t mip = 0; mip < lobes.size(); ++mip) check.mips[mip].lobe_roughness = lobes[mip];
+    int whole = size;
+    for (std::size_t first = 0; whole <= image::kLargestFace; ++first, whole *= 2) {
+      for (int count = static_cast<int>(first + mips); count <= full_chain_levels(whole); ++count) {
+        const std::vector<double> table = mip_roughness(schedule, count, whole);
+        if (!std::ranges::equal(stated, std::span(table).subspan(first, mips), is_same)) continue;
+        const std::vector<double> fitted = fitted_mip_roughness(schedule, count, whole);
+        const std::span<const double> lobes = std::span(fitted).subspan(first, mips);
+        if (!is_nearer(schedule, lobes)) continue;
+        check.fits_lookups = true;
+        for (std::size_t mip = 0; mip < mips; ++mip) check.mips[mip].lobe_roughness = lobes[mip];
+      }
+    }
   }
 }
 
@@ -360,8 +369,7 @@ void add_roughness_findings(ChainCheck& check, bool is_stated) {
   for (std::size_t mip = 0; mip < check.mips.size(); ++mip) {
     const MipCheck& each = check.mips[mip];
     if (!each.fitted || std::abs(*each.fitted - each.lobe_roughness) < 0.01) continue;
-    const double without_scale = std::abs(each.errors.rms);
-    if (without_scale < 2.0 * each.rest || without_scale < 0.01) continue;
+    if (each.errors.rms < std::max(0.01, 2.0 * each.rest)) continue;
     check.findings.push_back("roughness of mip " + std::to_string(mip) + " is " + significant(*each.fitted, 2) +
                              ", not " + significant(each.lobe_roughness, 2));
   }

@@ -86,7 +86,7 @@ std::vector<double> energies_of(const transforms::Spectrum& spectrum) {
 
 namespace {
 
-constexpr std::int64_t kMaxTexels = 24576;  ///< of an image that is summed
+constexpr std::int64_t kMaxTexels = std::int64_t{1} << 19U;  ///< of an image that is summed
 
 /// A wave of degree l that runs diagonally to texels h wide steps by 2 sin(l h / sqrt(8)) of itself from each to the
 /// next, whose square is 8 sin^2(l h / sqrt(8)) / h^2 of it along both axes. Turns.

@@ -24,7 +24,7 @@ struct EnergyBeyond {
   double degree = 0.0;
 };
 
-/// Sums over an image of at most 24576 texels: larger ones are not summed.
+/// Sums over an image of at most 2^19 texels: larger ones are not summed.
 struct ImageSums {
   /// `rings`: on which the cubemap is read.
   ImageSums(const SourceRows& faces, int rings);

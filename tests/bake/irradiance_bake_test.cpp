@@ -218,8 +218,7 @@ TEST_CASE("Irradiance of stripes is no further off than its estimate", "[irradia
     }
     const Cubemap truth = direct_irradiance_cubemap(stripes.view(), kSize);
     for (const double bound : {1e-2, 1e-3}) {
-      BakeOptions options = irradiance_alone(kSize, bound);
-      const BakeResult made = bake(stripes.view(), options);
+      const BakeResult made = bake(stripes.view(), irradiance_alone(kSize, bound));
       const double error = off(*made.irradiance, truth).rms;
       CAPTURE(width, height, rows, bound, error, *made.irradiance_record->error_estimate);
       CHECK(error <= *made.irradiance_record->error_estimate);

@@ -32,9 +32,7 @@ class Room {
   [[nodiscard]] EnvironmentView view() const { return environment_.view(); }
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return directory_.file(name); }
   [[nodiscard]] Cubemap chain(std::vector<double> roughness = {}) const {
-    PrefilterOptions options{.size = kSize};
-    options.roughness = std::move(roughness);
-    return prefilter_specular(view(), options).cubemap;
+    return prefilter_specular(view(), {.size = kSize, .roughness = std::move(roughness)}).cubemap;
   }
 
   /// The report on a chain in floats.
@@ -93,13 +91,16 @@ TEST_CASE("command: check finds nothing wrong with an own chain", "[tools][check
   const std::string said = run_welkin("check " + quoted(room.file("chain.ktx2")) + " " + quoted(room.source())).output;
   CHECK(contains(said, "Nothing is wrong with orientation, scale, roughness and edges."));
 
-  PrefilterOptions fitted{.size = kSize, .roughness = mip_roughness(RoughnessSchedule::linear, 5, kSize)};
-  fitted.lobe_roughness = fitted_mip_roughness(RoughnessSchedule::linear, 5, kSize);
-  const nlohmann::json of_lookups = room.check(prefilter_specular(room.view(), fitted).cubemap, "--roughness linear");
-  CHECK(findings_of(of_lookups).empty());
-  CHECK(of_lookups["rms"].get<double>() < 1e-3);
-  CHECK(of_lookups["mips"][4]["roughness"] == 1.0);
-  CHECK(of_lookups["mips"][4]["lobe_roughness"] == fitted.lobe_roughness[4]);
+  const auto out = room.file("out");  // lobes fitted to lookups, in whole chains and in parts
+  for (const auto& [bake, check] :
+       {std::pair{" --mips 2", "--roughness filament"}, {" --glossy 0.2,0.6", ""}, {"", "--mips 3"}}) {
+    bake_into(out, quoted(room.source()) + " --size 32 --formats ktx2 --ktx2-format rgba32f --fit-lookups on" + bake);
+    const nlohmann::json of_lookups = room.check(out / "specular.ktx2", check);
+    CAPTURE(bake, check);
+    CHECK(of_lookups["fits_lookups"] == true);
+    CHECK(findings_of(of_lookups).empty());
+    CHECK(of_lookups["rms"].get<double>() < 1e-3);
+  }
 }
 
 TEST_CASE("command: check names what is wrong with a chain", "[tools][check][slow]") {
@@ -156,8 +157,7 @@ TEST_CASE("command: check finds nothing in even light, at any size", "[tools][ch
     Cubemap chain(size, std::min(full_chain_levels(size), 3));
     std::ranges::fill(chain.pixels(), 0.5F);
     write_texture(directory.file("chain.ktx2"), chain.views(), {.format = TexelFormat::rgba32f});
-    const nlohmann::json report =
-        json_printed_by("check --json " + quoted(directory.file("chain.ktx2")) + " " + quoted(source));
+    const auto report = json_printed_by("check --json " + quoted(directory.file("chain.ktx2")) + " " + quoted(source));
     CAPTURE(size, report["findings"]);
     CHECK(report["findings"].empty());
     CHECK(report["rms"].get<double>() < 2e-4);
