@@ -252,8 +252,7 @@ std::vector<float> framed(const std::vector<float>& stored, const Window& data, 
 }
 
 bool says(const EnvironmentInfo& info, const std::string& words) {
-  return std::any_of(info.notes.begin(), info.notes.end(),
-                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+  return std::ranges::any_of(info.notes, [&](const auto& note) { return note.find(words) != std::string::npos; });
 }
 
 }  // namespace

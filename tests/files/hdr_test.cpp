@@ -148,8 +148,7 @@ bool unchanged(const Image& image, const Environment& read) {
 }
 
 bool notes_say(const Environment& read, const std::string& words) {
-  return std::any_of(read.info.notes.begin(), read.info.notes.end(),
-                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+  return std::ranges::any_of(read.info.notes, [&](const auto& note) { return note.find(words) != std::string::npos; });
 }
 
 }  // namespace

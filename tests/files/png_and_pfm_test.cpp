@@ -54,8 +54,7 @@ double srgb_curve(double encoded) {
 }
 
 bool notes_say(const EnvironmentInfo& info, const std::string& words) {
-  return std::any_of(info.notes.begin(), info.notes.end(),
-                     [&](const std::string& note) { return note.find(words) != std::string::npos; });
+  return std::ranges::any_of(info.notes, [&](const auto& note) { return note.find(words) != std::string::npos; });
 }
 
 ReadOptions as_lat_long(Transfer transfer = Transfer::automatic) {

@@ -109,7 +109,7 @@ TEST_CASE("A channel too dark for the bound on the largest error is named", "[sp
   }
 }
 
-// Images of more than 24576 texels were not looked through: 1.3e-2, and an estimate of 3.6e-7.
+// While images of more than 24576 texels were not summed, the error was 1.3e-2 and the estimate 3.6e-7.
 TEST_CASE("Estimates count stripes next to the bands in images of many texels", "[estimates][specular]") {
   LatLongImage rows{248, 124, {}};
   for (int k = 0; k < 248 * 124; ++k) rows.pixels.insert(rows.pixels.end(), 3, k / 248 % 2 == 0 ? 1e-3F : 1.0F);
