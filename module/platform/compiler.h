@@ -9,7 +9,7 @@
 // a page): there large kernels are called, not inlined, and have fewer variants (`kCodeIsSent`).
 //
 // WELKIN_IN_REGISTER(v): a statement that makes the vector v a value in a register, so that the compiler does not
-// repeat the load that it came from. It changes no bits. It has no effect with other compilers.
+// repeat the load that it came from. It changes no bits, and does nothing in WebAssembly or without GCC or Clang.
 //
 // WELKIN_FETCH(p): a statement that prefetches the cache line at p, which is read soon. It reads nothing: p need not be
 // a valid address.

@@ -47,8 +47,8 @@ CpuidRegisters cpuid(unsigned leaf, unsigned subleaf) {
   return r;
 }
 
-/// Returns the register state that the operating system saves on a context switch (XCR0). If its bits are missing, an
-/// instruction set must not be used even if present. Needs OSXSAVE.
+/// Returns the register state that the operating system saves on a context switch (XCR0). An instruction set whose bits
+/// are not set must not be used even if the processor has it. Needs OSXSAVE.
 std::uint64_t saved_register_state() {
 #if defined(_MSC_VER)
   return _xgetbv(0);

@@ -58,7 +58,7 @@ class ByteFile {
   explicit ByteFile(std::filesystem::path path, std::optional<std::span<const std::byte>> memory = std::nullopt);
 
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-  /// Returns nothing if the file was opened by its path.
+  /// Returns the bytes in memory; nullopt if the file was opened by its path.
   [[nodiscard]] const std::optional<std::span<const std::byte>>& memory() const noexcept { return memory_; }
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
   [[nodiscard]] std::uint64_t position() const noexcept { return position_; }
@@ -136,8 +136,8 @@ class PendingFile;  // its system-specific part
 
 /// A file that appears as a whole. It is written without a name where the file system supports that (Linux: O_TMPFILE),
 /// else under a temporary name next to its target, and moved to its target by `commit`. Destroyed before that, it
-/// leaves nothing behind; what a killed process left under a name is removed by the next that writes to the folder. A
-/// replaced file hands on its permissions. All throw `Error` (file_access) naming the file, the reason and a remedy.
+/// leaves nothing behind; what a killed process left under a name is removed by the next that writes to the folder. The
+/// permissions of a replaced file are kept. All throw `Error` (file_access) naming the file, the reason and a remedy.
 ///
 /// In memory the bytes are gathered in a separate vector, which `commit` moves to the caller.
 class WholeFile {
@@ -148,7 +148,7 @@ class WholeFile {
     replaced  ///< the file that it leads to stays as it is
   };
 
-  /// `memory`: receives the bytes if no file shall; it must outlive this object, and `path` is then their name.
+  /// `memory`: receives the bytes instead of a file; it must outlive this object, and `path` is then their name.
   explicit WholeFile(std::filesystem::path path, std::vector<std::byte>* memory = nullptr, Link link = Link::kept);
   ~WholeFile();
   WholeFile(const WholeFile&) = delete;

@@ -86,7 +86,7 @@ void PendingFile::discard() noexcept {
 
 bool PendingFile::make() { return make_without_name() || make_beside(); }
 
-/// Returns false where the file system has no unnamed files or the system no paths to them.
+/// Returns false where the file system has no unnamed files or the system offers no paths to them.
 bool PendingFile::make_without_name() {
 #ifdef O_TMPFILE
   const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
@@ -143,7 +143,7 @@ bool PendingFile::flush_to_disk() {
   return fdatasync(file_) == 0 || errno == EINVAL || note_failure();
 }
 
-/// Names an unnamed file: its target if that name is free, else a temporary name, because a link replaces nothing.
+/// Names an unnamed file: as its target if that is free, else temporarily, because a link replaces nothing.
 bool PendingFile::give_name() {
   const std::string unnamed = descriptor_path(file_);
   const auto link_to = [&](const std::filesystem::path& name) {

@@ -24,8 +24,8 @@ namespace welkin::platform {
 namespace detail {
 
 // FPCR, the control register. Bits 8 to 12 and 15 trap exceptions (where the processor can), 19 flushes denormal
-// halves, 22 and 23 select the rounding, 24 flushes denormals, operands as well as results, 25 makes NaNs the default
-// one, 26 selects ARM's half format without infinities. All 0: IEEE 754. FPSR: flags of past exceptions.
+// halves, 22 and 23 select the rounding, 24 flushes denormals, operands as well as results, 25 makes every NaN the
+// default one, 26 selects ARM's half format without infinities. All 0: IEEE 754. FPSR: flags of past exceptions.
 inline std::uint64_t control_register() noexcept {
   std::uint64_t value = 0;
   __asm__ volatile("mrs %0, fpcr" : "=r"(value) : : "memory");

@@ -20,7 +20,7 @@ struct WorkingMemory {
   void* data = nullptr;
   std::size_t bytes = 0;
   std::size_t alignment = 0;
-  int page = -1;  ///< index in `shared_pages`; below 0: not part of one
+  int page = -1;  ///< index in `shared_pages`; below 0: not in a shared page
 };
 
 inline constexpr std::size_t kCacheLine = 64;

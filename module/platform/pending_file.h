@@ -37,7 +37,7 @@ class PendingFile {
   /// Renames the file to its target, replacing an existing file. No call may follow.
   [[nodiscard]] bool put_in_place();
 
-  /// Returns the reason of the last failure, as text for people.
+  /// Returns the reason for the last failure, as text for people.
   [[nodiscard]] const std::string& why() const noexcept { return why_; }
 
  private:
@@ -62,7 +62,7 @@ struct PendingTarget {
 };
 
 /// Returns the target of a file given as `path`: behind all links, unless they are replaced. Removes what a killed
-/// process left in its folder, once. Throws `Error` (file_access) where something else than a file is there.
+/// process left in its folder, once. Throws `Error` (file_access) where something other than a file is there.
 [[nodiscard]] PendingTarget target_of(const std::filesystem::path& path, WholeFile::Link link);
 
 /// Returns a unique name for a hidden temporary file next to `path`: in the same directory, so that renaming is one

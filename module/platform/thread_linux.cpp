@@ -27,16 +27,16 @@ void rank_current_thread(ThreadPriority priority) noexcept {
   if (priority == ThreadPriority::idle && pthread_setschedparam(pthread_self(), SCHED_IDLE, &none) == 0) return;
   // A thread made by a real-time thread is real-time too, and has no nice value.
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &none));
-  // On Linux each thread has a nice value, at first its maker's; its number is accepted where POSIX has a process's.
+  // On Linux each thread has a nice value, at first its maker's; setpriority takes its number as a process's.
   const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
   static_cast<void>(setpriority(PRIO_PROCESS, thread, std::min(kNicest, getpriority(PRIO_PROCESS, thread) + kNicer)));
 }
 
 namespace {
 
-/// The point where a thread continues that `pthread_exit` unwinds. That is no C++ exception: only glibc's code at the
-/// end of the stack may catch it for good, so the exit is a jump past it. By then all that was called from there is
-/// unwound.
+/// The point where a thread that `pthread_exit` unwinds continues. That is no C++ exception: only glibc's code at the
+/// end of the stack may catch it for good, so a jump leads out past that code. By then all that was called from there
+/// is unwound.
 class WayBack {
  public:
   explicit WayBack(std::jmp_buf& target) noexcept : target_(target), exceptions_(std::uncaught_exceptions()) {}

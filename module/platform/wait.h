@@ -30,24 +30,24 @@ struct WaitPoint {
 
 /// Returns the wait point of an atomic. Several atomics may share one: a woken thread checks its value again.
 inline WaitPoint& wait_point(const void* atomic) noexcept {
-  static auto& indices = *new std::array<WaitPoint, 16>;  // never destroyed: threads may outlive main
-  return indices[reinterpret_cast<std::uintptr_t>(atomic) / 16 % indices.size()];
+  static auto& points = *new std::array<WaitPoint, 16>;  // never destroyed: threads may outlive main
+  return points[reinterpret_cast<std::uintptr_t>(atomic) / 16 % points.size()];
 }
 
 /// Returns once the atomic differs from `old`.
 template <class Value>
 void wait_while(const std::atomic<Value>& atomic, Value old) {
-  WaitPoint& index = wait_point(&atomic);
-  std::unique_lock lock(index.mutex);
-  index.changed.wait(lock, [&] { return atomic.load() != old; });
+  WaitPoint& point = wait_point(&atomic);
+  std::unique_lock lock(point.mutex);
+  point.changed.wait(lock, [&] { return atomic.load() != old; });
 }
 
 /// Wakes all threads that wait for a change. The atomic may be gone by then; it is not read.
 template <class Value>
 void wake_all(std::atomic<Value>& atomic) {
-  WaitPoint& index = wait_point(&atomic);
-  const std::lock_guard lock(index.mutex);
-  index.changed.notify_all();
+  WaitPoint& point = wait_point(&atomic);
+  const std::lock_guard lock(point.mutex);
+  point.changed.notify_all();
 }
 
 #else

@@ -8,7 +8,7 @@
 #define WIN32_LEAN_AND_MEAN
 #endif
 #include <windows.h>
-// After it, because it needs the types above.
+
 #include <string>
 #include <string_view>
 
