@@ -121,7 +121,7 @@ class ManyBakes {
 
   /// Makes the tables on all threads: probes that bake concurrently would all wait for the one that makes them.
   void make_tables(const Control& control) const {
-    int last = 0;  // mostly all probes have one size, and repeated calls are cheap
+    int last = 0;  // usually all probes have one size, and repeated calls are cheap
     for (const std::size_t k : beside_) {
       const int size = probes_[k].size;
       if (size != std::exchange(last, size)) reflections::make_tables(plan_, size, control);

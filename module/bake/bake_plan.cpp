@@ -74,7 +74,7 @@ reflections::ImageShape image_of(const SourceShape& source) {
   return {source.cubemap, source.columns, source.cubemap ? source.columns : source.rows};
 }
 
-/// Returns the bytes of the transform that spectral mips share, and of the lights next to it.
+/// Returns the bytes of the transform that spectral mips share, and of the bright texels that are summed apart.
 std::uint64_t spectral_bytes(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   const int rings = source.cubemap ? plan.rows_for_cubemap() : source.rows;
   const std::uint64_t ring_texels = source.cubemap ? 2 * squared(rings) : source.texels();
@@ -97,7 +97,7 @@ std::uint64_t spectral_bytes(const SourceShape& source, const reflections::Prefi
 std::uint64_t bytes_of_step(const SourceShape& source, const reflections::PrefilterPlan& plan) {
   std::uint64_t bytes = 0;
   if (plan.bands > 0) bytes += spectral_bytes(source, plan);
-  std::uint64_t records = 0;  // narrow mips follow one another
+  std::uint64_t records = 0;  // of the largest narrow mip: they are made one by one
   for (const reflections::MipPlan& mip : plan.mips) {
     if (mip.near.face == 0) continue;
     const std::uint64_t texels =
@@ -140,7 +140,7 @@ bool halves(int source_size, int size) {
   return source_size % size == 0 && std::has_single_bit(static_cast<unsigned>(source_size / size));
 }
 
-/// Returns the cost of resampling: a lookup per texel of the result, plus one per source texel if the source is finer.
+/// Returns the cost of resampling: of lookups for the result's texels, and of averages over those of the source.
 double resampling(const SourceShape& source, int size) {
   const auto texels = static_cast<double>(source.texels());
   if (source.cubemap && source.columns == size) return 0.25 * texels;

@@ -21,7 +21,7 @@ enum class BakePass { sanitize, specular, background, background_mips, project, 
 struct BakeStep {
   BakePass pass;
   PlannedPass planned;
-  double weight;                ///< rough nanoseconds on one thread: for the order of passes and the progress
+  double weight;                ///< approximate nanoseconds on one thread: for the order of passes and the progress
   std::vector<BakePass> after;  ///< passes that must have ended; skipped ones count as ended
 };
 

@@ -123,7 +123,7 @@ class SkyPlanner {
         sizeof(float) * (4 * sky::scattering_texels(tables) + sky::single_mie_floats(plan_.atmosphere, tables)));
   }
 
-  /// Plans the tables of matter, which have no pass of their own.
+  /// Lists aerosol and absorbers, which are computed with the tables and have no memory of their own.
   void plan_matter() {
     const Atmosphere& air = plan_.atmosphere;
     const auto in_tables = [&](SkyPass pass, bool there, const char* why_not, const std::string& reason) {
@@ -250,7 +250,7 @@ class SkyBaking {
   }
 
  private:
-  /// Records the tables' passes of that name, if they have any.
+  /// Records the tables' passes of that name. Returns false if they have none.
   bool record_of_tables(const std::string& name) {
     bool found = false;
     for (const PassRecord& record : sky_.tables ? sky_.tables->passes : std::vector<PassRecord>()) {

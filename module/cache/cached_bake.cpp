@@ -146,7 +146,7 @@ class StoredChain {
     for (std::size_t k = 0; k < mips_.size(); ++k) {
       MipRecord& mip = whole.mips.emplace_back(*mips_[k]);
       const std::optional<reflections::MipPair>& pair = plan_.mips[k].to_next;
-      mip.error_between.reset();  // the next mip may differ from that in the chain that it was made for
+      mip.error_between.reset();  // the next mip may differ from that of the chain it was made for
       if (pair && !plan_.energies->empty())
         mip.error_between = reflections::error_between(*pair, plan_.lookups, *plan_.energies);
     }

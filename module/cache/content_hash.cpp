@@ -58,7 +58,7 @@ std::vector<ContentHash> hash_planes(std::span<const Plane> planes, const Conten
   std::vector<ContentHash> parts(planes.size() * each);
   for (std::size_t plane = 0; plane < planes.size(); ++plane) parts[plane * each] = shape;
   const std::size_t bytes = planes.size() * planes.front().row_bytes * static_cast<std::size_t>(planes.front().rows);
-  // In units of 12 bytes, a texel, which a projection takes about as long for.
+  // In texels of 12 bytes: a projection takes about as long for each.
   const jobs::Placement placement = jobs::placement_for(static_cast<std::int64_t>(bytes / 12));
   jobs::run_tiles(planes.size() * blocks, placement, jobs::worker_count(placement), control,
                   [&](std::size_t tile, std::size_t) {

@@ -63,8 +63,8 @@ static_assert(sizeof(EntryHeader) == kEntryHeaderBytes && std::has_unique_object
 
 // Entries in a folder that any number of processes share.
 
-/// Stores one file per entry, "<32 digits>-<kind>.welkin-entry". No other file is touched, except what our writers left
-/// behind when they were killed. Thread-safe. Only std::bad_alloc is thrown: other failures are counted.
+/// A folder of one file per entry, "<32 digits>-<kind>.welkin-entry". No other file is touched, except what our writers
+/// left behind when they were killed. Thread-safe. Only std::bad_alloc is thrown: other failures are counted.
 class EntryFolder {
  public:
   static constexpr std::uint64_t kAnySize = ~std::uint64_t{0};
@@ -126,7 +126,7 @@ class EntryMemory {
     EntryName name;
     Payload payload;
   };
-  /// The identity: keys are hashes already.
+  /// Mixes half of the key, which is a hash already, with the kind.
   struct Hash {
     std::size_t operator()(const EntryName& name) const noexcept {
       return static_cast<std::size_t>(name.key.low ^ static_cast<std::uint64_t>(name.kind));

@@ -99,7 +99,7 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Reads values back in the same order. After a value is missing, all are zero and `sound` returns false.
+/// Reads values back in the same order. From the first missing value on, all are zero and `sound` returns false.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::uint8_t> bytes) : rest_(bytes) {}
