@@ -29,7 +29,7 @@ struct FreeContext {
 };
 using Context = std::unique_ptr<astcenc_context, FreeContext>;
 
-/// Welkin makes all arguments, so only the memory can fail, or a mismatched library.
+/// Welkin makes all arguments, so a call fails only for lack of memory or with a mismatched library.
 void require_success(astcenc_error error) {
   if (error == ASTCENC_SUCCESS) return;
   if (error == ASTCENC_ERR_OUT_OF_MEM) throw std::bad_alloc();

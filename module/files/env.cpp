@@ -167,7 +167,7 @@ class EnvReader {
 
 // From Welkin's axes to Babylon.js's left-handed ones and back: x changes its sign.
 
-/// On the faces +X and -X columns run along or against z, on the others along or against x: so those two are swapped,
+/// On the faces +X and -X columns run along or against z, on the others along or against x: so +X and -X are swapped,
 /// and the columns of all six are reversed.
 void mirror_face(const float* from, int size, float* to) {
   const std::ptrdiff_t row_floats = std::ptrdiff_t{3} * size;

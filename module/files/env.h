@@ -24,7 +24,7 @@ namespace welkin::files {
 
 inline constexpr float kLargestRgbd = 255.0F;
 
-/// An encoder of the same bytes on every machine: a table of the thresholds between bytes replaces the power.
+/// An encoder with the same bytes on every machine: a table of the thresholds between bytes replaces the power.
 class RgbdEncoder {
  public:
   RgbdEncoder();
@@ -84,8 +84,8 @@ struct EnvManifest {
 
 // Babylon.js .env files as rows.
 
-/// Opens a file that `is_env`. Faces come in Welkin's axes (x mirrored: Babylon.js's are left-handed) as a vertical
-/// strip; each is decoded whole. Throws the errors of `inspect_environment`.
+/// Opens a file for which `is_env` holds. Faces come in Welkin's axes (x mirrored: Babylon.js's are left-handed) as a
+/// vertical strip; each is decoded whole. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_env(platform::ByteFile& file, const ReadOptions& options);
 
 // The small images inside an .env file: RGBA of 8 bits, in memory.
@@ -99,7 +99,7 @@ struct EnvImageBytes {
 
   /// Throws `Error` naming the file and the image.
   [[noreturn]] void refuse(ErrorCode code, const std::string& message) const;
-  /// Throws `Error` (corrupt_file) if an image of this size is not of the level's.
+  /// Throws `Error` (corrupt_file) if this size is not that of the level.
   void require_size(std::uint64_t width, std::uint64_t height) const;
 };
 

@@ -1,5 +1,5 @@
-// The construction of OpenEXR's static objects. Included by one source of the readers and one of the writers: a program
-// that links either gets it.
+// OpenEXR: when its static objects are made, and what the readers and writers share. Included by every exr_ source, so
+// that a program that links any of them gets the objects.
 #pragma once
 
 #include <Iex.h>
@@ -133,7 +133,7 @@ struct ExrImage {
 
 struct CompressionKind {
   const char* name;  ///< "none", "zip", ..
-  int scanlines;     ///< that are compressed together
+  int scanlines;     ///< compressed together
 };
 
 /// Returns nullptr if the compression is unknown.

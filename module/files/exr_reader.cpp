@@ -115,7 +115,7 @@ std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
 /// stale memory.
 class ExrBlocks {
  public:
-  /// Both outlive this.
+  /// Both must outlive this object.
   ExrBlocks(const ExrImage& image, const Imf::Header& header) : image_(image), header_(header) {}
 
   /// Throws `Error` (corrupt_file) if the block of rows that the library has read since the last call unpacks to less

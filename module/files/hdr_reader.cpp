@@ -202,8 +202,8 @@ class HdrScanlines {
 // Scanlines that are found before they are published: other threads wait for the lock.
 constexpr std::size_t kBatch = 32;
 
-/// The file has no such table, and a scanline's start follows only from the codes of all before it. The index finds as
-/// many as requested by skipping over the codes, and stores them: 8 bytes per scanline.
+/// The offset of each scanline. The file has no table of them: a scanline's start follows only from the codes of all
+/// before it. The index skips over the codes as far as requested, and stores the offsets: 8 bytes per scanline.
 ///
 /// For any number of threads at once. One of them searches for new offsets; the others get known ones without waiting
 /// for it.

@@ -85,7 +85,7 @@ void append_encoded(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& byt
   }
 }
 
-/// A flat texel of mantissas 1, 1, 1 would read as the old run-length form's repetition: a minimum change avoids it.
+/// A flat texel of mantissas 1, 1, 1 would read as the old run-length form's repetition: a minimal change avoids it.
 void append_flat(const std::vector<Rgbe>& row, std::vector<std::uint8_t>& bytes) {
   for (Rgbe texel : row) {
     if (texel[0] == 1 && texel[1] == 1 && texel[2] == 1) texel[2] = 2;

@@ -51,9 +51,9 @@ struct JpegSegments {
   bool has_other_profile = false;           ///< an ICC profile that names no primaries
 };
 
-/// Returns the images of a file, in their order. They are found by reading one after the other: the offsets that an MPF
-/// segment or XMP states are wrong once a tool has added a segment. Throws `Error` (corrupt_file, file_access), and
-/// unsupported_file for anything but a JPEG of 8 bits with 1 or 3 components.
+/// Returns a file's images in order: at most 16, up to the first gain map. They are searched for in the file: the
+/// offsets that an MPF segment or XMP states are wrong once a tool has added a segment. Throws `Error` (corrupt_file,
+/// file_access), and unsupported_file for anything but a JPEG of 8 bits with 1 or 3 components.
 [[nodiscard]] std::vector<JpegSegments> jpeg_images(platform::ByteFile& file);
 
 /// Decodes rows of one image by libjpeg, from the top: grey, or RGB by JFIF's matrix, 8 bits per sample. Bits do not

@@ -1,5 +1,5 @@
 #include <cstdio>  // needed by jpeglib.h, which does not include it
-// Its own after that.
+// jpeglib.h must follow it.
 #include <jpeglib.h>
 
 #include <algorithm>

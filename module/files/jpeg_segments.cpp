@@ -18,7 +18,7 @@ using namespace std::string_view_literals;
 
 // Gain maps.
 
-// Beyond this many stops no float is left; such a value is an error.
+// More stops than any image has; a larger value is an error.
 constexpr double kMaximumStops = 64.0;
 
 [[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
@@ -224,7 +224,7 @@ constexpr unsigned kApplication1 = 0xE1, kApplication2 = 0xE2;
 
 bool is_restart(unsigned code) { return code >= 0xD0 && code <= 0xD7; }
 
-// Returns whether a code starts a frame of any process: not Huffman tables (C4), an extension (C8) or conditions (CC).
+// Returns whether a code starts a frame: not Huffman tables (C4), an extension (C8) or arithmetic conditioning (CC).
 bool is_frame(unsigned code) { return code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC; }
 bool is_progressive(unsigned code) { return code == 0xC2 || code == 0xC6 || code == 0xCA || code == 0xCE; }
 

@@ -93,7 +93,7 @@ struct RowSegments {
 /// Returns a row's segments. `size`: texels along a face's edge; `image_row`: in [0, rows x size).
 [[nodiscard]] RowSegments row_segments(const CubePlacement& placement, int size, int image_row) noexcept;
 
-/// Copies `size` RGB texels, in the other order if `mirrored`: from an image to a face, or back.
+/// Copies `size` RGB texels, in reverse order if `mirrored`: from an image to a face, or back.
 void copy_segment(const float* from, float* to, int size, bool mirrored) noexcept;
 
 /// Adds a channel per letter.

@@ -174,7 +174,7 @@ std::vector<std::uint8_t> encode_png_rgba(const std::vector<std::uint8_t>& rgba,
 }
 
 void decode_png_rgba(const EnvImageBytes& image, std::uint8_t* rgba, const stop_token& stop) {
-  // Bounds chunks next to the pixels, such as texts and profiles, which are unused; a larger one is refused.
+  // Bounds chunks other than pixels (texts, profiles), which are unused; an image with a larger one is refused.
   constexpr std::size_t kMaxOfAChunk = std::size_t{1} << 20U;
   const auto require = [&image](int result) {
     if (result == SPNG_OK) return;

@@ -299,7 +299,7 @@ class PngSamples {
   std::optional<glm::dmat3> matrix_;
 };
 
-// Memory of libspng and zlib without rows: a window of 32 KiB, tables, buffers of 8 KiB, the stream's.
+// Memory of libspng and zlib without rows: a window of 32 KiB, tables, buffers of 8 KiB, and the stream.
 constexpr std::uint64_t kOfLibraries = std::uint64_t{128} << 10U;
 
 class PngReader final : public SequentialReader {

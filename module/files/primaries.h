@@ -43,9 +43,9 @@ void apply(const glm::dmat3& matrix, float* rgb, std::size_t texels) noexcept;
 /// Returns a text: "CIE XYZ", "Rec. 2020" and the like, else "red (0.64 0.33) green (..) blue (..) white (..)".
 [[nodiscard]] std::string describe(const Chromaticities& primaries);
 
-// The primaries that Radiance and PNG files state, as a matrix to Rec. 709.
+// The primaries that Radiance, PNG and JPEG files state, as a matrix to Rec. 709.
 
-/// Returns nothing if they are those of Rec. 709, if colours are requested as stored, or if they are no valid
+/// Returns nothing if they are those of Rec. 709, if colours are requested as stored, or if they are not valid
 /// primaries; `info.notes` states what was done, and `where` names their origin.
 [[nodiscard]] std::optional<glm::dmat3> rec709_from_stated(const Chromaticities& stated, const char* where,
                                                            Primaries wanted, EnvironmentInfo& info);

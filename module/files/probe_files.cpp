@@ -39,7 +39,7 @@ class Captured {
  public:
   Captured(std::span<const FileInput> cubes, std::span<const FileInput> depths, const Control& control)
       : chains_(cubes.size()), distances_(depths.size()), cubes_(cubes.size()), depths_(depths.size()) {
-    // Files have some hundred KB; threads mostly wait for the disk.
+    // Files have a few hundred KB; threads mostly wait for the disk.
     jobs::run_tiles(cubes.size(), jobs::Placement::arena, jobs::worker_count(jobs::Placement::arena), {control.stop},
                     [&](std::size_t k, std::size_t /*worker*/) {
                       const jobs::OneThread alone;

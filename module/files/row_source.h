@@ -30,7 +30,7 @@ inline constexpr int kMaximumHeight = 6 * 16384;
 /// Opens a file at its first byte. Throws `Error`: file_access, invalid_argument for six faces, which are not one file.
 [[nodiscard]] platform::ByteFile open_file(const FileInput& input);
 
-/// Returns the first eight bytes, or all of a shorter file, and returns the file to its beginning.
+/// Returns the first eight bytes, or all of a shorter file, and rewinds the file to its beginning.
 [[nodiscard]] std::string first_bytes(platform::ByteFile& file);
 
 /// Converts by the C library's `tolower`, byte by byte.

@@ -44,8 +44,8 @@ constexpr std::size_t kMaxText = 4096;
 template <class Value>
 inline constexpr bool kIsNumber = std::is_arithmetic_v<Value> || std::is_enum_v<Value>;
 
-/// Appends values to bytes, or reads them back; lists state their length first. Nothing is read past the end, and no
-/// count is trusted that the remaining bytes cannot hold.
+/// Appends values to bytes, or reads them back; lists state their length first. Nothing is read past the end, and
+/// every count that is read must be within a limit.
 class Archive {
  public:
   enum class Way { write, read };

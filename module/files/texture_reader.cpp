@@ -154,7 +154,7 @@ namespace {
 
 constexpr int kRowsAtOnce = 64;
 
-/// Adds without wrapping, up to the largest number: files state the bytes of packed levels, sparse ones state many.
+/// Adds, at most to the largest number: packed levels have the bytes that the file states, huge ones in a sparse file.
 std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
   constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   return a > most - b ? most : a + b;
@@ -326,7 +326,7 @@ class TextureRowReader final : public RowReader {
 bool has_prefiltered_levels(const TextureLayout& layout) {
   if (layout.faces() != 6) return false;
   if (!layout.has_metadata || layout.container == FileFormat::ktx1)
-    return true;  // DDS cannot say, and files of lighting tools mostly are
+    return true;  // DDS cannot say, and those of lighting tools mostly are prefiltered
   return std::any_of(layout.metadata.begin(), layout.metadata.end(),
                      [](const auto& entry) { return speaks_of_roughness(entry.first); });
 }

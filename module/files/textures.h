@@ -124,7 +124,7 @@ struct ByteRange {
 };
 [[nodiscard]] ByteRange row_byte_range(TexelKind kind, int size, int first_row, int rows) noexcept;
 
-/// Decodes packed RGB floats from `count` texels at a multiple of 4 bytes. Alpha is ignored. Not for blocks.
+/// Decodes `count` texels, at an address that is a multiple of 4, to packed RGB floats; ignores alpha. Not for blocks.
 void decode_texels(TexelKind kind, const std::uint8_t* texels, std::size_t count, float* rgb) noexcept;
 
 // Microsoft's DDS with the DX10 header (Windows documentation, "DDS file layout"): the constants.
@@ -236,7 +236,7 @@ void settle_texture(const platform::ByteFile& file, TextureLayout& layout, std::
 
 // KTX2 and DDS cubemaps as rows.
 
-/// Opens a file that `is_texture`. Six faces are those of `CubemapView` and come as a vertical strip; an image holds
+/// Opens a file for which `is_texture` holds. Six faces are those of `CubemapView`, as a vertical strip; an image holds
 /// the sphere as its shape or the options say. Packed levels are unpacked whole. 8-bit texels are linear or sRGB by the
 /// format, or by ReadOptions.transfer. Throws the errors of `inspect_environment`.
 [[nodiscard]] std::unique_ptr<RowSource> open_texture(platform::ByteFile& file, const ReadOptions& options);
@@ -257,7 +257,7 @@ struct TextureJob {
   std::vector<std::vector<LatLongView>> levels;  ///< six faces per level, or one image: rows, not directions
   const TextureOptions& options;
   const Control& control;
-  std::span<const CubemapView> mips{};  ///< the same levels of a cubemap
+  std::span<const CubemapView> mips{};  ///< the same levels, if this is a cubemap
 
   [[nodiscard]] std::size_t faces() const noexcept { return levels.front().size(); }
   [[nodiscard]] TexelKind kind() const noexcept { return kind_of(options.format); }
