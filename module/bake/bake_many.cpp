@@ -169,7 +169,7 @@ class ManyBakes {
   std::int64_t beside_texels_ = 0;
   std::int64_t one_by_one_texels_ = 0;
   std::int64_t all_texels_ = 0;
-  std::vector<Cubemap> scratch_;  ///< per worker: the chain before it goes to its targets
+  std::vector<Cubemap> scratch_;  ///< per worker: the chain before it is stored to its targets
   jobs::FirstRejection rejection_;
 };
 

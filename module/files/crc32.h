@@ -9,7 +9,7 @@
 
 namespace welkin::files {
 
-/// Tables for eight bytes at a time: entry [k][b] is the remainder of byte b with k zero bytes behind it.
+/// Tables for eight bytes at a time: entry [k][b] is the remainder of byte b with k zero bytes after it.
 inline constexpr auto kCrc32Tables = [] {
   constexpr std::uint32_t reflected_polynomial = 0xEDB88320U;
   std::array<std::array<std::uint32_t, 256>, 8> tables{};

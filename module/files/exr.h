@@ -60,7 +60,7 @@ struct ExrParts {
 [[nodiscard]] ExrParts read_exr_parts(platform::ByteFile& file);
 
 /// Checks what the library will allocate for every part when it opens the file: its tables of offsets, eight bytes per
-/// chunk, which the file must be long enough to hold. Returns their bytes. `file` is behind the headers. Throws
+/// chunk, which the file must be long enough to hold. Returns their bytes. `file` is after the headers. Throws
 /// `Error`: corrupt_file.
 std::uint64_t check_exr_tables(const ExrParts& parts, const platform::ByteFile& file);
 
@@ -205,7 +205,7 @@ auto call_openexr(const std::filesystem::path& path, const Work& work) -> declty
   }
 }
 
-/// Where the library is to put a channel: texel (column, row) of the file's coordinates at `first`, the next ones
+/// Returns the memory of a channel for the library: texel (column, row) of the file's coordinates is at `first`, others
 /// `texel_bytes` and `row_bytes` on. (It expects the address that texel (0, 0) would have, which may lie outside of
 /// anything, and so is worked out in integers.) Channels sampled at every second texel have `sampling` 2.
 [[nodiscard]] inline Imf::Slice exr_slice(Imf::PixelType type, void* first, int column, int row,

@@ -175,7 +175,7 @@ void walk_preview(platform::ByteFile& file) {
   file.seek(file.position() + 4 * width * height);
 }
 
-// Moves behind the value as OpenEXR will for the type.
+// Moves past the value as OpenEXR will for the type.
 void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t size) {
   const std::uint64_t end = file.position() + size;
   const auto* fixed = std::find_if(kFixedSizes.begin(), kFixedSizes.end(),
@@ -195,7 +195,7 @@ void walk_value(platform::ByteFile& file, const std::string& type, std::uint32_t
   }
 }
 
-/// Walks the header's attributes from the current position (behind magic number and version) to their end,
+/// Walks the header's attributes from the current position (after magic number and version) to their end,
 /// and checks that what OpenEXR 3 will allocate for each is no more than the bytes that the file has for it.
 ///
 /// The library allocates by stated sizes and for most types reads what the type takes, whatever size was stated. So it
@@ -220,7 +220,7 @@ void check_attributes(platform::ByteFile& file) {
   }
 }
 
-// The library keeps some kilobytes for each; the largest productions have some dozens.
+// The library keeps a few kilobytes for each; the largest productions have a few dozen.
 constexpr std::size_t kMaxParts = 1024;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& found_and_remedy) {

@@ -95,8 +95,8 @@ std::uint64_t row_bytes(const Imf::ChannelList& channels, int row, int first_col
   return bytes;
 }
 
-/// The bytes that OpenEXR's run lengths unpack to: a count below 0 precedes so many bytes; a count from 0 on precedes a
-/// byte that is repeated once more than that (ImfRle.cpp).
+/// Returns how many bytes OpenEXR's run lengths give: a count below 0 precedes that many bytes; a count from 0 on
+/// precedes a byte that is repeated once more than that (ImfRle.cpp).
 std::uint64_t unpacked_rle_bytes(std::span<const char> packed) {
   std::uint64_t bytes = 0;
   for (std::size_t at = 0; at + 1 < packed.size();) {
@@ -360,7 +360,7 @@ class LuminanceChromaReader final : public RowReader {
     return yca::computeYw(Imf::hasChromaticities(header) ? Imf::chromaticities(header) : Imf::Chromaticities());
   }
 
-  // One line, wherever it is in the image, with half a filter's width free at both ends.
+  // Holds one line, wherever it is in the image, with half a filter's width free at both ends.
   void set_frame_buffer() {
     Imf::Rgba* first = line_.data() + yca::N2;
     const auto slice = [&](half* component, int sampling) {

@@ -138,7 +138,7 @@ namespace {
 
 constexpr int kTileSize = 64;
 
-// Attributes that have a meaning and a type of their own, and are not in every header from the start.
+// Attributes with a fixed meaning and type that are not in every header from the start.
 constexpr std::array kReserved{"name", "type", "version", "chunkCount", "view", "tiles", "preview", "multiView"};
 constexpr std::size_t kLongestName = 255;
 

@@ -38,7 +38,7 @@ struct HdrHeader {
 ///
 /// A header is lines of text: the magic word (RADIANCE, RGBE, or any other), NAME=value, comments, commands that
 /// the image went through; an empty line; and the resolution line, such as "-Y 512 +X 1024". FORMAT, EXPOSURE,
-/// COLORCORR and PRIMARIES are obeyed, everything else is passed over. Lines that start with white space belong
+/// COLORCORR and PRIMARIES are obeyed, everything else is ignored. Lines that start with white space belong
 /// to the images that this one was made from (Radiance's pcompos indents them) and say nothing about it.
 /// (Radiance's filefmts.pdf, and its header.c, `color.c`, resolu.c.)
 /// Throws `Error`: corrupt_file, unsupported_file.

@@ -25,7 +25,7 @@ WELKIN_INLINE Lanes values(Integers texels) {
   return xsimd::to_float(mantissas) * first * second;
 }
 
-/// Converts four texels to twelve floats, and writes up to four more behind them.
+/// Converts four texels to twelve floats, and writes up to four more after them.
 WELKIN_INLINE void convert_group(Bytes bytes, float* rgb) {
   const simd::IntegerGroup texels = simd::widened(bytes);
   for (int k = 0; k < kParts; ++k) {
@@ -33,7 +33,7 @@ WELKIN_INLINE void convert_group(Bytes bytes, float* rgb) {
   }
 }
 
-/// Converts 16 texels of four planes to 48 floats, and writes up to four more behind them.
+/// Converts 16 texels of four planes to 48 floats, and writes up to four more after them.
 WELKIN_INLINE void convert_run(const std::uint8_t* const (&planes)[kComponents], int first, float* rgb) {
   const Bytes components[kComponents] = {simd::load_bytes(planes[0] + first), simd::load_bytes(planes[1] + first),
                                          simd::load_bytes(planes[2] + first), simd::load_bytes(planes[3] + first)};
@@ -46,7 +46,7 @@ WELKIN_INLINE void convert_run(const std::uint8_t* const (&planes)[kComponents],
 }
 
 void floats_from_rgbe(const std::uint8_t* planes, int length, float* rgb) {
-  constexpr int beyond = 2;  // texels, that stores behind a run touch
+  constexpr int beyond = 2;  // texels past a run's end that stores touch
   const std::uint8_t* const components[kComponents] = {planes, planes + length, planes + 2 * length,
                                                        planes + 3 * length};
   int first = 0;

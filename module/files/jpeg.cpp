@@ -173,7 +173,7 @@ RowTraits jpeg_traits(const Pair& pair) {
   throw platform::file_error(ErrorCode::unsupported_file, path, reason);
 }
 
-/// Returns the base image and the first gain map behind it. Throws `Error` (unsupported_file) if there is none, or if
+/// Returns the base image and the first gain map after it. Throws `Error` (unsupported_file) if there is none, or if
 /// the base is already the HDR image.
 Pair pair_of(platform::ByteFile& file) {
   const std::vector<JpegSegments> images = jpeg_images(file);

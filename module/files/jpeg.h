@@ -1,4 +1,4 @@
-// JPEG files that hold a base image and, behind it, the JPEG of its gain map.
+// JPEG files that hold a base image and, after it, the JPEG of its gain map.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ struct GainMap {
 /// The contents of one JPEG image's markers. (ITU-T T.81, annex B.)
 struct JpegSegments {
   std::uint64_t begin = 0;  ///< offset of its first byte in the file
-  std::uint64_t end = 0;    ///< offset behind its last byte
+  std::uint64_t end = 0;    ///< offset after its last byte
   int width = 0;
   int height = 0;
   int bits = 0;

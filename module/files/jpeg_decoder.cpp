@@ -157,8 +157,8 @@ void JpegDecoder::decode_row(std::uint8_t* row) {
 }
 
 std::uint64_t JpegDecoder::memory_bytes(const JpegSegments& image) noexcept {
-  // Blocks of at most 32 x 32 texels, whose coefficients are kept, two bytes each, where scans follow one another; else
-  // some rows of them.
+  // Blocks of at most 32 x 32 texels, whose coefficients are kept, two bytes each, where an image has several scans;
+  // else a few rows of them.
   constexpr std::uint64_t kBlock = 32, kOfLibrary = std::uint64_t{256} << 10U;
   const auto rounded = [](int texels) { return (static_cast<std::uint64_t>(texels) + kBlock - 1) / kBlock * kBlock; };
   const std::uint64_t rows = image.buffered ? rounded(image.height) : 4 * kBlock;

@@ -218,7 +218,7 @@ std::optional<GainMap> gain_map_from_iso(std::span<const std::uint8_t> bytes, co
 
 // Images.
 
-// Marker codes, behind a byte of 0xFF. (T.81, table B.1.)
+// Marker codes, after a byte of 0xFF. (T.81, table B.1.)
 constexpr unsigned kStartOfImage = 0xD8, kEndOfImage = 0xD9, kStartOfScan = 0xDA, kTemporary = 0x01;
 constexpr unsigned kApplication1 = 0xE1, kApplication2 = 0xE2;
 
@@ -406,7 +406,7 @@ JpegSegments read_image(platform::ByteFile& file, std::uint64_t begin) {
 
 std::vector<JpegSegments> jpeg_images(platform::ByteFile& file) {
   std::vector<JpegSegments> images{read_image(file, 0)};
-  // Cameras pad between images, and keep previews, depths and films behind them.
+  // Cameras pad between images, and keep previews, depths and films after them.
   constexpr std::size_t kMaxImages = 16;
   Bytes bytes(file, images[0].end);
   for (unsigned seen = 0;

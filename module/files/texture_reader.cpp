@@ -160,7 +160,7 @@ std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
   return a > most - b ? most : a + b;
 }
 
-/// Returns an upper bound on a reader's memory while it reads so many rows of a level at once.
+/// Returns an upper bound on a reader's memory while it reads `rows` rows of a level at once.
 std::uint64_t texture_reader_bytes(const TextureLayout& layout, int level, int rows) noexcept {
   const int size = layout.level_size(level);
   const auto& stored = layout.levels[static_cast<std::size_t>(level)];

@@ -63,7 +63,7 @@ inline constexpr std::size_t kPackedAtOnce = std::size_t{1} << 20U;  ///< bytes 
 [[noreturn]] void refuse_packed_level(const std::filesystem::path& path, const char* library,
                                       const std::string& reason);
 
-/// Returns an upper bound on what so many packed bytes unpack to.
+/// Returns an upper bound on the bytes that `packed_bytes` unpack to.
 [[nodiscard]] std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t packed_bytes) noexcept;
 
 // The layout of texels in KTX2 and DDS files, and conversion from floats and back.

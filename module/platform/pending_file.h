@@ -16,7 +16,7 @@ namespace welkin::platform {
 /// it succeeded; `why` has the reason if not.
 class PendingFile {
  public:
-  /// `target`: the final path, behind all links.
+  /// `target`: the final path, with all links followed.
   explicit PendingFile(std::filesystem::path target) : target_(std::move(target)) {}
   ~PendingFile();  ///< removes a file that was not put in place
   PendingFile(const PendingFile&) = delete;
@@ -61,7 +61,7 @@ struct PendingTarget {
   std::optional<std::filesystem::perms> permissions;
 };
 
-/// Returns the target of a file given as `path`: behind all links, unless they are replaced. Removes what a killed
+/// Returns the target of a file given as `path`, with links followed unless they are replaced. Removes what a killed
 /// process left in its folder, once. Throws `Error` (file_access) where something other than a file is there.
 [[nodiscard]] PendingTarget target_of(const std::filesystem::path& path, WholeFile::Link link);
 

@@ -1,4 +1,4 @@
-// Windows' header and what its sources here share. Included only by sources named *_windows.cpp.
+// Windows' header and what its sources here share. Included only by sources of Windows (*_windows*.cpp).
 #pragma once
 
 #ifndef NOMINMAX
