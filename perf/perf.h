@@ -190,7 +190,7 @@ void add_read_bandwidth();
 /// Registers LatLongToCubemap/area/SHAPE/THREADS.
 void add_resampling();
 
-/// Registers the savings of finding results again, on 2 threads: the tables of docs/notes/measurements.md.
+/// Registers benchmarks of what finding results again saves, on 2 threads: the tables of docs/notes/measurements.md.
 /// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
 /// a cache; the first time, stored in memory or in a folder too; found in memory, on disk; with another last mip.
 /// - Cache/hash: the lat-long's hash alone.
@@ -222,7 +222,7 @@ struct PageOptions {
 /// repetitions the fastest counts. Names of running benchmarks go to standard error.
 [[nodiscard]] std::string speed_page(const PageOptions& options);
 
-/// Registers importance tables for path tracers, of an image of 4096 x 2048, into existing memory.
+/// Registers the making of path tracers' importance tables, of an image of 4096 x 2048, in existing memory.
 void add_importance();
 
 /// Registers PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's
