@@ -1,5 +1,5 @@
 # welkin_isa_sources(SOURCE...): kernels. Each source is compiled once per instruction set into the same library, which
-# chooses between them at run time. Kernels are optimized in every configuration: without, they take minutes and their
+# chooses between them at run time. Kernels are optimized in every configuration: else they take minutes and their
 # times mean nothing. (Under a sanitizer less so: there the compiler takes minutes, and the bits are the same.)
 #
 # The sets are those of the target processor. A build that is not shipped may omit some of x86's, each of which takes a

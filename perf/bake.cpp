@@ -49,7 +49,7 @@ void add_bake_of_cubemap(int size) {
 
 constexpr int kMany = 64;
 
-/// Adds the results that an engine needs from a probe of 64: harmonics, and five mips as half floats. 64 probes in one
+/// Adds bakes of what an engine needs of a probe of 64: harmonics, and five mips as half floats. 64 probes in one
 /// call, or in single calls.
 void add_bake_many(bool in_one_call) {
   constexpr double texels = 6.0 * 64.0 * 64.0 * kMany;

@@ -323,7 +323,7 @@ void add_processes(Table& table, const std::filesystem::path& command, const Sou
 
 constexpr double kBounds[] = {1e-5, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
 
-/// Returns the bakes of running engines, within a bound. `Operation::source`: the size of the result and of its cube.
+/// Returns the run-time bakes of engines, within a bound. `Operation::source`: the size of the result and of its cube.
 std::vector<Operation> operations_within(double rms_error) {
   std::vector<Operation> all;
   const auto chain = [&](const std::string& name, Kind kind, PrefilterOptions options) {

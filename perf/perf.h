@@ -68,7 +68,7 @@ struct ProbeTargets {
 /// Returns a lat-long of positive noise, kept until a call with another format or size.
 [[nodiscard]] LatLongView noise_lat_long(PixelFormat format, int width, int height);
 
-/// Returns `count` cubemaps of 64 with half floats and alpha, of positive noise, `different` of them repeated.
+/// Returns `count` cubemaps of 64 with half floats and alpha, of positive noise: `different` distinct ones, repeated.
 [[nodiscard]] std::vector<CubemapView> noise_probes(std::size_t count, std::size_t different);
 
 /// Registers benchmarks that run the result of `prepare` once per iteration in an arena of that many threads, by wall
@@ -151,8 +151,8 @@ void add_cancel_latency();
 [[nodiscard]] std::string cold_calls(const Paths& arguments);
 
 /// `[COUNT] [--seed=N] [--rms-error=X] [IMAGE...]`: a table by kind of result, GGX mips within X (1e-3), over COUNT
-/// random environments (10 000), a fifth of which are the images if there are any. After each 500 the current table
-/// goes to standard error.
+/// random environments (10 000), a fifth of which come from the images, if any. After each 100 the current table goes
+/// to standard error.
 [[nodiscard]] std::string estimate_table(const Paths& arguments);
 
 /// Returns Markdown tables for the environments in `files`: the error of the irradiance cubemap of a bake against
@@ -190,7 +190,7 @@ void add_read_bandwidth();
 /// Registers LatLongToCubemap/area/SHAPE/THREADS.
 void add_resampling();
 
-/// Registers the savings of finding results again, on 2 threads: the tables of docs/notes/measurements.md.
+/// Registers benchmarks of what finding results again saves, on 2 threads: the tables of docs/notes/measurements.md.
 /// - Cache/bake-...: a bake of a 1024 x 512 lat-long with a specular cubemap of 256, all else default: computed without
 /// a cache; the first time, stored in memory or in a folder too; found in memory, on disk; with another last mip.
 /// - Cache/hash: the lat-long's hash alone.
@@ -218,11 +218,11 @@ struct PageOptions {
   std::vector<std::pair<std::string, std::filesystem::path>> others;
 };
 
-/// Runs the benchmarks of the page (they are registered, and Google Benchmark is ready) and returns the page as
-/// Markdown. Of repetitions the fastest counts. Names of running benchmarks go to standard error.
+/// Runs the benchmarks of the page (registered; Google Benchmark is initialized) and returns the page as Markdown. Of
+/// repetitions the fastest counts. Names of running benchmarks go to standard error.
 [[nodiscard]] std::string speed_page(const PageOptions& options);
 
-/// Registers importance tables for path tracers, of an image of 4096 x 2048, into existing memory.
+/// Registers the making of path tracers' importance tables, of an image of 4096 x 2048, in existing memory.
 void add_importance();
 
 /// Registers PostToStart/STATE/empty/THREADS: from the call of `post` to the request's first instruction on a worker's

@@ -27,7 +27,7 @@ const std::byte* noise_pixels(PixelFormat format, std::size_t texels) {
   return pixels.data();
 }
 
-/// Returns `count` cubemaps, `different` of them repeated.
+/// Returns `count` cubemaps: `different` distinct ones, repeated.
 std::vector<CubemapView> noise_cubemaps(PixelFormat format, int size, std::size_t count, std::size_t different) {
   const auto face_texels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   const std::byte* const pixels = noise_pixels(format, 6 * face_texels * different);

@@ -490,7 +490,7 @@ FolderPlan plan_pixels(const BakeSource& source, const BakeCommandOptions& optio
 /// Bakes from the pixels.
 void bake_pixels(const BakeCommandOptions& options, const SceneNeeds& needs, Baked& baked, const Control& control) {
   std::optional<StoredEnvironment> file;
-  if (options.input) {  // refuse by the header what the pixels would fail
+  if (options.input) {  // refuses by the header, before the pixels are read
     file = header_of(options);
     check_memory(plan_header(*file, options, needs, baked.whole), options);
   }

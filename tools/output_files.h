@@ -105,7 +105,7 @@ struct OutputFile {
 /// Returns whether a bake for any engine, formats and sky may write a file of this name, except its manifest.
 [[nodiscard]] bool is_bake_name(std::string_view name);
 
-/// Returns whether one has faces in the positions of the engine.
+/// Returns whether one is a cubemap, whose faces are stored where the engine expects them.
 [[nodiscard]] bool contains_cubemap(const std::vector<OutputFile>& files) noexcept;
 
 }  // namespace welkin::tool

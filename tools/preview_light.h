@@ -32,7 +32,7 @@ struct ToneMap {
 };
 
 inline glm::vec3 ToneMap::operator()(const glm::vec3& radiance) const noexcept {
-  constexpr float kWhite = 1e4F;  // the curve ends before it, and three denominators overflow beyond it
+  constexpr float kWhite = 1e4F;  // the curve has ended by then, and the product of three denominators is finite
   const auto scale = static_cast<float>(exposure);
   const auto light = [=](float x) { return std::min(x > 0.0F ? scale * x : 0.0F, kWhite); };
   const glm::vec3 x(light(radiance.x), light(radiance.y), light(radiance.z));

@@ -270,7 +270,7 @@ void draw_row(PreviewImage& image, const SphereColumn& column, const Light& ligh
   }
 }
 
-/// Draws spheres on a dark ground: one material per row, one roughness per column, both in labels. The viewer looks
+/// Draws spheres on a dark ground: one material per row, one roughness per column, labelled with both. The viewer looks
 /// along -z from far away: +x is to the right, and the spheres mirror the space behind the viewer, the lat-long's
 /// centre.
 ///

@@ -63,7 +63,7 @@ using jobs::part_of;
 /// the properties of other systems: bytes as written, and a terminal that takes UTF-8 and colours.
 void reserve_standard_streams() noexcept;
 
-/// The reading end of a named pipe; standard input without a name. Closed where it was opened.
+/// The reading end of a named pipe, which the destructor closes; without a name standard input, which stays open.
 class PipeEnd {
  public:
   /// Opens without waiting for a writer; reading waits. Throws `Error` (file_access).

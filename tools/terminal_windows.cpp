@@ -41,7 +41,7 @@ BOOL WINAPI note_event(DWORD event) {
               pipe.value_or("standard input") + ": cannot be read (" + platform::system_message(GetLastError()) + ")");
 }
 
-/// Returns the bytes that may be read without waiting; unlimited unless it is a pipe. Nothing: there are no more.
+/// Returns the number of bytes that can be read without waiting; no limit unless it is a pipe. Nothing: the end.
 std::optional<DWORD> wait_for_bytes(HANDLE file) {
   constexpr auto kPause = std::chrono::milliseconds(10);
   if (GetFileType(file) != FILE_TYPE_PIPE) return MAXDWORD;

@@ -120,7 +120,7 @@ void require_kept(const std::filesystem::path& read, const std::filesystem::path
 void require_own(const std::filesystem::path& file, std::string_view sign, const std::string& writer,
                  const std::string& remedy = "name another file, or remove it");
 
-/// Write files as the library does: complete or not at all. Throw `Error` (file_access).
+/// Write files as the library does: each is complete, or stays as it was. Throw `Error` (file_access).
 void write_text_file(const std::filesystem::path& path, const std::string& text);
 void write_bytes(const std::filesystem::path& path, std::span<const std::byte> bytes);
 

@@ -27,7 +27,7 @@ struct ReportCommandOptions {
   bool no_peers = false;
 };
 
-/// Throws before minutes of work if a folder is missing, not after.
+/// Throws if a folder is missing: before minutes of work, not after them.
 void require_folder(const std::string& path) {
   if (path.empty()) return;
   if (path == "-") throw Error(ErrorCode::invalid_argument, "'-' is no file; a report writes files alone");

@@ -120,7 +120,7 @@ namespace {
 
 constexpr int kNormals = 256;
 
-/// Returns normals uniform over the sphere: a Fibonacci spiral.
+/// Returns one of `kNormals` normals, uniform over the sphere: a Fibonacci spiral.
 glm::dvec3 normal(int index) {
   const double y = 1.0 - (2.0 * index + 1.0) / kNormals;
   const double azimuth = 2.0 * std::numbers::pi * index * (std::numbers::phi - 1.0);

@@ -10,7 +10,7 @@ import { tmpdir } from "node:os";
 import { join, normalize } from "node:path";
 
 const wanted = JSON.parse(readFileSync(process.argv[2], "utf8"));
-const DEADLINE = 240_000; // milliseconds: drawing on the CPU is a thousand times slower than on a GPU
+const DEADLINE = 240_000; // milliseconds: long, because the CPU draws what takes a GPU milliseconds
 
 const page = `<!doctype html><meta charset="utf-8">
 <script type="importmap">{"imports": {"three": "/node_modules/three/build/three.module.js",

@@ -5,7 +5,7 @@
 // worker last. The witness waits until PART has been done again and again, by which time whatever the library destroyed
 // too early has been used. Another result than the first time, or an error, ends the program with 1.
 //
-// worker_outlives_main in_passing: posts every part many times and returns from main when some are done, without waits.
+// worker_outlives_main in_passing: posts every part many times and returns from main when some are done.
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -31,7 +31,7 @@ using welkin::portability::hash_of;
 using welkin::portability::lat_long;
 
 constexpr int kThreads = 2;
-constexpr int kRounds = 4;  ///< number that the witness waits for
+constexpr int kRounds = 4;  ///< rounds for which the witness waits
 constexpr std::chrono::seconds kPatience{60};
 
 /// Static objects in the order in which they are made; they are destroyed in the reverse one.

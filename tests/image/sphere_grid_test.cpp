@@ -42,7 +42,7 @@ glm::dvec3 value_at(const SphereGrid& grid, double x, double y) {
       const auto weight = [&](double distance) {
         return cubic ? cubic_weight(distance) : std::max(0.0, 1.0 - std::abs(distance));
       };
-      // Past a pole, columns / 2 on; with two rings past both poles.
+      // Past a pole it continues columns / 2 further; with two rings, past both poles.
       int at_ring = ring;
       int at_column = column;
       while (at_ring < 0 || at_ring >= rings) {

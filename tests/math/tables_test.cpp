@@ -6,7 +6,7 @@
 
 namespace welkin::test {
 
-// Promise: Welkin's exponential is accurate to four units in the last place, also at the ends of its range.
+// Promise: Welkin's exponential is accurate to four units in the last place, and ends in 0 and infinity.
 
 TEST_CASE("Exponentials agree with long double ones", "[tables][exponential][slow]") {
   std::mt19937_64 generator(11);

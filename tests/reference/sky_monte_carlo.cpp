@@ -35,7 +35,7 @@ constexpr double kSteepest = 8.0;       ///< maximum of a fall's logarithm along
 constexpr int kGuessHeights = 64;
 constexpr int kGuessSuns = 128;
 constexpr double kLowSun = 0.1;      ///< sine of an elevation below which directions are drawn towards the sun
-constexpr double kNarrow = 0.85;     ///< asymmetry of a lobe above which they are so by day, too
+constexpr double kNarrow = 0.85;     ///< asymmetry above which they are drawn so by day, too
 constexpr double kTowardsSun = 0.5;  ///< share of directions drawn so
 /// That share for a narrow lobe: every scattering that is not drawn towards the sun multiplies a path's weight by
 /// 1 / (1 - share), and light that comes low through haze has been scattered many times.

@@ -193,7 +193,7 @@ std::vector<double> reference_sun_irradiance(const Atmosphere& atmosphere, doubl
 
 SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double altitude_m, const glm::dvec3& sun,
                                            const ReferenceHarmonicsOptions& options) {
-  const SkyHarmonicsOptions nodes{options.bands, SkyQuadrature::gauss_split, options.zeniths, options.azimuths};
+  const SkyHarmonicsOptions quadrature{options.bands, SkyQuadrature::gauss_split, options.zeniths, options.azimuths};
   const double radius = atmosphere.bottom_radius_m;
   const double horizon = sky::horizon_cosine(radius, altitude_m);
   // From space the highest ring that has any light is the air's upper edge.
@@ -203,7 +203,7 @@ SphericalHarmonics reference_sky_harmonics(const Atmosphere& atmosphere, double 
   for (const double g : atmosphere.aerosol_asymmetries) {
     if (std::abs(g) > std::abs(sharpest)) sharpest = g;
   }
-  const sky::SkyRule rule = sky::sky_rule(nodes, horizon, top, sharpest);
+  const sky::SkyRule rule = sky::sky_rule(quadrature, horizon, top, sharpest);
   const std::size_t above_horizon = rule.above.cosines.size();
   const glm::dvec3 ahead = ahead_of(sun);
   const glm::dvec3 aside(ahead.z, 0.0, -ahead.x);

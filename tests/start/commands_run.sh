@@ -2,9 +2,9 @@
 # commands_run.sh WELKIN SOURCE WORK [PAGE...]: runs every command of README.md and of the pages for users (tutorials,
 # guides, reference, explanation) as printed, page by page, in a folder that holds nothing of the reader's: indented
 # lines, and words in backquotes that begin with "welkin" or "scripts/welkin". The built program WELKIN stands for both.
-# Commands that build, test, serve or fetch are skipped by name; any other command that fails fails the test. Words in
-# backquotes are skipped if they only name a command or an option, or stand for many (capitals, "...", "|"). Many pages
-# begin with the same sample, which is computed once.
+# Commands that build, test, serve or fetch are skipped by name; other commands that this script does not know are errors.
+# Words in backquotes are skipped if they only name a command or an option, or stand for many (capitals, "...", "|"). Many
+# pages begin with the same sample, which is computed once.
 set -euo pipefail
 
 welkin="$1"

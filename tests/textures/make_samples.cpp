@@ -113,7 +113,7 @@ void write_env(const std::filesystem::path& directory, const Cubemap& chain) {
 }
 
 int run(const std::filesystem::path& directory) {
-  std::filesystem::remove_all(directory); // a file of an older name would hide that none is written any more
+  std::filesystem::remove_all(directory);  // a stale file would hide that it is no longer written
   std::filesystem::create_directories(directory);
   const Cubemap chain = test::changed(test::noisy_chain(kSize, full_chain_levels(kSize)), as_half);
   write_floats(directory / "chain.f32", chain.face(0, 0), chain.bytes() / sizeof(float));

@@ -1,4 +1,4 @@
-// The functions that a page calls. Each call posts one job to a worker and resolves with its result; nothing is computed here.
+// The functions that a page calls. Each posts one job to a worker and resolves with its result; none computes here.
 import { configurePlatform, makeWorker } from '#platform';
 import { checkedOptions } from './options.js';
 import { ELEVATIONS, SkyLightLoop } from './sky-light.js';
