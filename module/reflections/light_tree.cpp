@@ -173,7 +173,7 @@ class LightTree {
         texel = std::max(texel, radius_of(points_[k].direction, box_of(k, k + 1)));
     }
     node.centre = centre;
-    node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
+    node.radius = 1.0000001 * (radius + texel) + 1e-7;  // positions are rounded
   }
 
   [[nodiscard]] std::size_t parted(const Box& box, std::size_t first, std::size_t end) {

@@ -178,7 +178,7 @@ Interval across_cone(double x, double z, const math::SineCosine& reach) {
   return {-kInfinity, product / (x * z - root)};
 }
 
-/// Returns the union of a range and of another that is counted from an offset on.
+/// Returns the union of a range that is counted from `offset` on, as the result is, and of another that is not.
 ColumnRange with(const ColumnRange& range, const ColumnRange& other, int offset) {
   return {std::min(range.first, other.first - offset), std::max(range.end, other.end - offset)};
 }

@@ -352,7 +352,7 @@ double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
   mip.bands.zonal = mip.lobe->spectrum(bands);
   for (int l = 0; l < bands && mip.lobe->last_band() == 0; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
-  // The dark next to lights is to be right too.
+  // Dark parts next to lights are to be right too.
   const double rest = blurred_rms(source.energies, mip.bands.zonal);
   return spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
 }

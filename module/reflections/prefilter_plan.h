@@ -55,7 +55,7 @@ struct PrefilterPlan {
   int tightenings = 0;         ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
   /// Bands of the transform that all spectral mips share; 0: none is made. Those of the whole chain, as which rings
-  /// take part and in which groups they are summed follows from it: coefficients of low bands round otherwise in a
+  /// take part and in which groups they are summed follows from them: coefficients of low bands round otherwise in a
   /// transform of fewer.
   int bands = 0;
 

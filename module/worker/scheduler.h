@@ -98,8 +98,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void wait(const JobRecord& job);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
-  /// Called after `terminate`, when the worker goes. Drops what was not drained, lets go of threads not to be waited
-  /// for because this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
+  /// Called after `terminate`, when the worker goes. Drops what was not drained, and lets go of threads that cannot be
+  /// waited for, as this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
   void abandon_rest();
   void wait_until_idle();
   [[nodiscard]] WorkerLoad load();

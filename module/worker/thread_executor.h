@@ -16,7 +16,7 @@
 
 namespace welkin::detail {
 
-/// Returns whether `threads` busy threads leave a processor for another one. If not, none keeps one while it waits.
+/// Returns whether `threads` busy threads leave a processor for another. If not, a thread that waits does not spin.
 [[nodiscard]] inline bool leaves_a_processor(int threads) {
   const platform::FloatingPointScope floating_point;  // counting processors divides
   return threads < available_threads();
