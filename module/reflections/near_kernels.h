@@ -125,7 +125,7 @@ struct NearKernels {
   GroupKernels<CubeGroup> cube;
   GroupKernels<LatLongGroup> lat_long;
 
-  /// Scales each direction's weights of so many texels, [texels][16], to a sum of its own.
+  /// Scales each direction's weights, [texels][16], to a sum of its own.
   void (*scale)(float* weights, int texels, const float* sums);
   SumRuns sum_runs;
 };

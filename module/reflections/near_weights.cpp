@@ -33,8 +33,8 @@ int whole_below(double number) {
 int whole_above(double number) { return -whole_below(-number); }
 
 /// Returns a position clear of lines between texels: 2^-23 of a texel (1.2e-7) away, much less than the narrowest lobe
-/// is wide. On a line, `cross` of an edge would be 0 or rounding's, and a texel that has the direction could not be
-/// told from its neighbour by the signs of its edges. The error of that move is part of the estimate
+/// is wide. On a line, `cross` of an edge would be 0 or rounding's, and the signs of a texel's edges could not
+/// show whether it or its neighbour has the direction. The error of that move is part of the estimate
 /// (`error_of_weights`).
 double clear_of_lines(double position) {
   const double line = whole_below(position + 0.5);

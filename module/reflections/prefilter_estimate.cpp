@@ -251,7 +251,7 @@ double square_beyond(const EnergyBeyond& beyond, const MipPlan& mip, const std::
   return energy * value * value;
 }
 
-/// Square of the error by what the spectrum knows, times 4 pi.
+/// Returns the square of the error that the spectrum shows, times 4 pi.
 double spectral_square(const MipPlan& mip, std::span<const double> energies, const EnergyBeyond& beyond,
                        const std::optional<RingLosses>& source) {
   const int bands = mip.bands.bands();

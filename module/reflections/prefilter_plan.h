@@ -87,8 +87,8 @@ struct PrefilterPlan {
   /// Size of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
   int near_far_size = 0;
 
-  /// Returns the plan without so many mips at either end. The others keep their bits: all that they depend on stays
-  /// that of the whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
+  /// Returns the plan without `sharp` and `rough` mips at its ends. The others keep their bits: all that they depend on
+  /// stays that of the whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.

@@ -98,7 +98,7 @@ void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
 void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored) {
   if (first >= end) return;
   const auto per_column = weights_.columns_ / (2.0 * std::numbers::pi);
-  // The angles at an edge's ends tell the number of its parts.
+  // The angles at an edge's ends decide the number of its parts.
   std::size_t k = 0;
   for (int index = first; index < end; ++index) {
     for (const double position : {edge(index).from, edge(index).to}) {

@@ -73,9 +73,9 @@ class ThreadExecutor {
   ThreadPriority priority_;
   std::string name_;
   tbb::task_arena arena_;
-  bool looks_;                     ///< whether a thread that looks takes no processor from who posts
+  bool looks_;                     ///< whether a thread that looks takes no processor from one that posts
   tbb::task_handle looking_;       ///< blocks nothing: in the sleeper of a thread that only looks
-  std::vector<Sleeper> sleepers_;  ///< one a thread; null while the thread does not wait
+  std::vector<Sleeper> sleepers_;  ///< one per thread; null while the thread does not wait
   std::atomic<bool> dismissed_{false};
 
   std::mutex threads_mutex_;  ///< only one may join, and all wait for that
