@@ -17,8 +17,8 @@ constexpr std::size_t kLanes = simd::kLanes;
 constexpr std::size_t kGroupsPerTile = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Texels that are wide relative to the lobe are integrated in closed form, and finely for some way on: their middles
-// lie so many texels from the direction. Others are integrated finely next to it.
+// Texels that are wide relative to the lobe are integrated in closed form up to kClose texels from the direction, and
+// finely up to kFine. Others are integrated finely up to kClose.
 constexpr double kMaxTexel = 2.5;  ///< over alpha
 constexpr int kClose = 2;
 constexpr int kFine = 4;

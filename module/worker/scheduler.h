@@ -117,8 +117,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   /// deferred is carried out, and what came in meanwhile is let in.
   class LockedState {
    public:
-    /// Throws `Error` (stopped) in a fork of the worker's process: a thread that holds the mutex there never unlocks
-    /// it.
+    /// Throws `Error` (stopped) in a fork of the worker's process, where the mutex may stay locked for ever.
     explicit LockedState(Scheduler& scheduler) : LockedState(scheduler, scheduler.locked()) {}
     LockedState(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
     ~LockedState();

@@ -16,7 +16,7 @@
 
 namespace welkin::detail {
 
-/// Returns whether `threads` busy threads leave a processor for another. If not, a thread that waits does not spin.
+/// Returns whether `threads` busy threads leave a processor for another. If not, a thread that waits yields its own.
 [[nodiscard]] inline bool leaves_a_processor(int threads) {
   const platform::FloatingPointScope floating_point;  // counting processors divides
   return threads < available_threads();
