@@ -93,10 +93,10 @@ struct PrefilterPlan {
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
-  /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMaxTightenings`: of GGX
-  /// lobes, for an image with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which
-  /// those and fewer harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose
-  /// bands the image decides: step 0 is where it begins, any other no image makes it exceed.
+  /// Returns the plan for mips that earlier steps do not serve, up to step `kMaxTightenings`: of GGX lobes, for an
+  /// image with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which those and fewer
+  /// harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose bands the image
+  /// decides: step 0 has the bands that it begins with, any later step the most that it may come to.
   [[nodiscard]] PrefilterPlan at_step(int step, const ImageShape& image) const;
 
   /// Returns whether a mip is made by this method.
