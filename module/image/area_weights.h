@@ -217,9 +217,9 @@ class SoftCells {
 
 // How the texels of a lat-long and those of a cube overlap.
 //
-// Every texel of the lat-long has shares of points, smooth where the cube is finer (SoftCells); every texel of the cube
-// is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the sphere
-// once: so a uniform source stays uniform and each source texel's total radiance arrives, whatever the sizes.
+// Every texel of the lat-long has a share of each point, smooth where the cube is finer (SoftCells); every texel of the
+// cube is a tile (CubeTiling) over which shares are integrated. Shares add up to 1 everywhere and tiles cover the
+// sphere once: so a uniform source stays uniform and each source texel's total radiance arrives, whatever the sizes.
 //
 // A tile's weights serve all its mirror images and quarter turns: 16 of them, where the lat-long's width divides by
 // four. On side faces, but for the line next to +Y, a tile is a rectangle; its weights are products of shares in height
@@ -335,7 +335,7 @@ class TileWeightTable {
  public:
   /// The table of an earlier call; null if there is none, or none any more.
   [[nodiscard]] static std::shared_ptr<const TileWeightTable> find(const TileWeightKey& key);
-  /// Keeps a table whose lines have all been filled, unless another call's is there meanwhile.
+  /// Keeps a table whose lines have all been filled, unless another call has kept one meanwhile.
   static void keep(const TileWeightKey& key, const std::shared_ptr<const TileWeightTable>& table);
 
   /// Reserves memory for lines to be filled, if they are not more than a table may have: otherwise all are weighed
@@ -347,7 +347,7 @@ class TileWeightTable {
   /// Returns whether no line needs to be weighed any more.
   [[nodiscard]] bool complete() const noexcept;
 
-  /// Weighs a line, hands it out and keeps it. Of different lines in different threads at once.
+  /// Weighs a line, hands it out and keeps it. Threads may fill different lines at once.
   void fill(bool polar, int row, TileScratch& scratch, const RunSink& sink);
   /// Hands out a line, which is weighed only if it is not kept. `scratch`: may be null if the table is complete.
   void read(bool polar, int row, TileScratch* scratch, const RunSink& sink) const;

@@ -25,7 +25,7 @@ struct Bc6hMode {
   int prefix_bits;                ///< 2 or 5
   int end_bits;                   ///< of the first end, in each channel
   std::array<int, 3> other_bits;  ///< of the other ends, in red, green and blue
-  bool differences;               ///< the other ends are stored as differences to the first
+  bool differences;               ///< the other ends are stored as differences from the first
   bool two_lines;                 ///< with a partition, and indices of 3 bits; else one, and 4 bits
 };
 
@@ -45,7 +45,7 @@ struct Bc6hFields {
 
 [[nodiscard]] Bc6hFields unpack_bc6h(const std::uint8_t* block) noexcept;
 
-/// Packs a block of modes 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
+/// Packs a block of mode 1 to 14. The upper bit of the index of each line's anchor must be 0, for it is not stored.
 void pack_bc6h(const Bc6hFields& fields, std::uint8_t* block) noexcept;
 
 // Which texels of a block with two lines belong to which: plain numbers, as a kernel calls nothing outside, and not

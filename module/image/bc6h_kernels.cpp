@@ -101,8 +101,8 @@ struct SingleLine {
   Lanes error;
 };
 
-/// Stores ends and mode of a fitted line. The bounds leave space for the next numbers of both, which must not differ by
-/// more than the mode's differences can say.
+/// Stores ends and mode of a fitted line. The bounds leave space for the next numbers of both ends, which must not
+/// differ by more than the mode's differences can say.
 template <bool is_signed>
 WELKIN_INLINE void store_ends(const FittedLine& line, SingleLine& to, Lanes (&low)[3], Lanes (&reach)[3]) {
   Lanes v_low[3];

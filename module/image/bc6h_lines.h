@@ -130,7 +130,7 @@ WELKIN_INLINE void principal_axis(const BlockLanes& block, const Texels& texels,
   }
 }
 
-/// Returns indices by the position along the axis, the outermost texels at the ends, the anchor in the lower half.
+/// Returns the projection to indices along the axis, the outermost texels at the ends, the anchor in the lower half.
 template <class Texels>
 WELKIN_INLINE Projection along_axis(const BlockLanes& block, const Texels& texels, const Lanes (&axis)[3]) {
   const Projection plain{{axis[0], axis[1], axis[2]}, Lanes(0.0F)};

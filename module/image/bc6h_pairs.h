@@ -12,8 +12,8 @@ namespace welkin::image::WELKIN_ISA {
 
 inline constexpr int kMoments = 10;  ///< weight, three sums, six sums of products
 
-/// Returns the spread that two lines through the partition's sides leave out, for ranks only: of each side
-/// trace - 48/49 largest eigenvalue, as an index of eight steps leaves about 1/49 of the spread along its line.
+/// Returns the spread that a line through one side of a partition leaves out, for ranks only: the trace less 48/49 of
+/// the largest eigenvalue, as an index of eight steps leaves about 1/49 of the spread along its line.
 /// The eigenvalue is tr N^6 / tr N^5 times the trace, with the covariance N over its trace.
 WELKIN_INLINE Lanes left_out(const Lanes (&sums)[kMoments]) {
   const Lanes inverse = Lanes(1.0F) / xsimd::max(sums[0], Lanes(1.0e-6F));

@@ -141,7 +141,7 @@ std::optional<ColumnsAndRows> columns_and_rows(const glm::dmat3& rotation, int w
   return ColumnsAndRows{up.y < 0.0, ahead.z * left.x - ahead.x * left.z < 0.0, wrapped, is_whole ? 0.0 : shift - whole};
 }
 
-/// Calls `move(row)` for each of so many rows, several at a time.
+/// Calls `move(row)` for each of `rows` rows, several at a time.
 template <typename Move>
 void for_each_row(int rows, int width, const Control& control, const Move& move) {
   const int tile_rows = std::max(1, kTileTexels / width);

@@ -75,7 +75,7 @@ struct CubeTexel {
 /// A texel's centre in half texels: a cube with `size` texels along an edge reaches from -size to size.
 [[nodiscard]] glm::ivec3 point_of(int size, const CubeTexel& texel) noexcept;
 
-/// The texel of that centre. One component, `size` in magnitude, tells the face; the others are smaller.
+/// Returns the texel of that centre. One component, `size` in magnitude, decides the face; the others are smaller.
 [[nodiscard]] CubeTexel texel_at(int size, const glm::ivec3& point) noexcept;
 
 /// The texel that shares an edge with the outermost one. Either the column or the row is -1 or `size`, not both.

@@ -22,7 +22,7 @@ WELKIN_INLINE Texels spread_value(const GridRun& run, int point) {
   const float* const weights = run.ring_weights + 4 * static_cast<std::ptrdiff_t>(point);
   const float* const texels =
       run.origin + run.rings[point] * run.ring_stride + 4 * static_cast<std::ptrdiff_t>(run.columns[point]);
-  // The next row of points will want the rings below these.
+  // The next row of points will read the rings below these.
   fetch_line(reinterpret_cast<const char*>(texels + (point % 2 == 0 ? 4 : 5) * run.ring_stride), 0);
   const Texels upper = sum(weighted_ring(texels, weights[0]), weighted_ring(texels + run.ring_stride, weights[1]));
   const Texels lower = sum(weighted_ring(texels + 2 * run.ring_stride, weights[2]),
@@ -229,7 +229,7 @@ WELKIN_INLINE void sample_one(const PatchRun& run, int point, float* rgb) {
 template <bool mirrored, bool product, int known_rows>
 WELKIN_INLINE void sample_four(const PatchRun& run, int point, float* rgb) {
   if (known_rows > 0) {
-    // The next line of tiles will want the row beyond this one's.
+    // The next line of tiles will read the row beyond this one's.
     fetch_line(reinterpret_cast<const char*>(first_texel<mirrored>(run, point) + known_rows * run.row_stride), 0);
   } else {
     for (int k = 0; k < 4; ++k) fetch_patch<mirrored>(run, point + k + kAhead);

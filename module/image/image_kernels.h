@@ -144,7 +144,7 @@ struct TexelKernels {
   void (*integrate_texels)(const TexelRun& run, const math::BasisRecurrence& recurrence, const math::GaussRule& rule,
                            const int* rows, float* weights, int stride);
 
-  /// For up to three bands, by the expansion in the texel's size h = 1/N, in float: relative error 2e-7 + 40 h^4.
+  /// Integrals of up to three bands by the expansion in the texel size h = 1/N, in float: relative error 2e-7 + 40 h^4.
   void (*expand_texels)(const TexelRun& run, const int* rows, float* weights, int stride);
 };
 WELKIN_KERNEL_TABLES(TexelKernels, texel_kernels)

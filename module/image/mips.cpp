@@ -121,7 +121,7 @@ struct Scratch {
     for (auto& row : weights) row.resize(static_cast<std::size_t>(3 * size));
   }
   std::vector<float> angles[2];   ///< in proportion to the solid angles of the left half
-  std::vector<float> weights[2];  ///< as `reduce_pairs` wants them: three times each
+  std::vector<float> weights[2];  ///< as `reduce_pairs` takes them: three times each
 };
 
 void put_weight(std::vector<float>& weights, int column, float weight) {

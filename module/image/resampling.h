@@ -34,14 +34,14 @@ class CubemapSampler {
   int size_;
 };
 
-// Turns that take texels to texels, or rows to rows.
+// Rotations that take texels to texels, or rows to rows.
 
-/// The result, if the turn is one of a cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
+/// The result, if the rotation is one of a cube's 48 symmetries: each entry within 1e-9 of 0, 1 or -1.
 /// Nothing is interpolated, every texel stays what it is.
 [[nodiscard]] std::optional<Cubemap> rotate_exactly(const CubemapView& source, const glm::dmat3& rotation,
                                                     const Control& control);
 
-/// The result, if the turn leaves the axis y in its place or turns it over. Where it moves the columns by whole texels,
+/// The result, if the rotation keeps the axis y or reverses it. Where it moves the columns by whole texels,
 /// to 1e-6 texels, every texel stays what it is. (The mirror that exchanges front and back does so if the width is
 /// even.) Else each row is resampled along itself and keeps its sum.
 [[nodiscard]] std::optional<LatLongImage> moved_along_rows(const LatLongView& source, const glm::dmat3& rotation,

@@ -199,7 +199,7 @@ class FaceSampler {
     take_taps(scratch.positions, rings);
   }
 
-  /// Calls left(column, angle) for the columns with u <= 0 and right(column, angle) for the others; `angles`: of the
+  /// Fills in left(angle) for the columns with u <= 0 and right(angle) for the others; `angles`: of the
   /// left half, in columns of the grid. The grid's columns run against longitude, column c's centre being at
   /// columns / 2 - 1/2 - c past +z.
   template <class Left, class Right>

@@ -105,7 +105,7 @@ using AllHalves = std::array<BlockHalves, kLanes>;
 
 constexpr float kNoBlock = 1.0e30F;  ///< an error that every block is better than
 
-/// Replaces blocks in `to` by blocks of lines that are fitted so many times, where these are better.
+/// Replaces blocks in `to` by blocks of lines that are fitted `turns` times, where these are better.
 void improve_by(Lines& lines, int turns, const BlockGroup& group, EncodedBlocks& to, AllHalves* halves) {
   std::array<std::uint8_t, kBlockBytes> block;
   for (int turn = 0; turn < turns; ++turn) {

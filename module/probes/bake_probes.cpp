@@ -28,7 +28,7 @@ using probes::DepthRules;
 using probes::refuse;
 using probes::require_count;
 
-/// Visibility is projected as so many bytes of masks at a time, or a probe's.
+/// Bytes of masks by which visibility is projected at a time; at least a probe's.
 constexpr std::size_t kMaskBytes = std::size_t{16} << 20U;
 
 constexpr int kDepthsPerTile = 8;

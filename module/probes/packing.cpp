@@ -60,7 +60,7 @@ std::uint64_t set(ProbeTexture& texture, int x, int y, int z, const Texel& texel
   return image::encode_texels(texel.data(), 2, 2, {.channels = 2, .halves = true}, halves);
 }
 
-/// Calls visit(column, row, slice) for all columns, rows and slices, slices side by side: work as on so many texels.
+/// Calls visit(column, row, slice) for all columns, rows and slices, slices side by side: work as on `texels` texels.
 /// Returns the sum of what it returns.
 template <class Visit>
 std::uint64_t for_each_place(const std::array<int, 3>& size, std::int64_t texels, const Control& control,

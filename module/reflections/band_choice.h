@@ -38,7 +38,7 @@ inline constexpr int kMaxTightenings = 2;
 /// Returns the bands to begin with: by the kink no more than at the default bounds, which do for most images.
 [[nodiscard]] int first_bands_within(double alpha, const ErrorBounds& bounds) noexcept;
 
-/// Returns the minimum number of rings to read a cubemap on where `alpha` is that of the narrowest lobe.
+/// Returns the minimum number of rings of latitude to read a cubemap on where `alpha` is that of the narrowest lobe.
 [[nodiscard]] double rings_within(double alpha, const ErrorBounds& bounds) noexcept;
 
 /// Returns the minimum number of texels along an edge of the faces that a cubemap's are halved to (`halved_faces`)

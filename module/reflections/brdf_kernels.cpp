@@ -67,7 +67,7 @@ WELKIN_INLINE Albedo along_azimuth(const AlbedoRule& rule, const View& view, flo
   const Lanes span = one - xsimd::sqrt(fourth_root(end_f));
   Albedo sum{Lanes(0.0F), Lanes(0.0F)};
   for (int i = 0; i < rule.radii; ++i) {
-    const Lanes p = one - span * Lanes(rule.radius_places[i]);
+    const Lanes p = one - span * Lanes(rule.radius_positions[i]);
     const Lanes p4 = (p * p) * (p * p);
     const Lanes f = p4 * p4;
     const Lanes f2 = f * f;
@@ -136,7 +136,7 @@ WELKIN_INLINE Lanes sheen_along_azimuth(const AlbedoRule& rule, const View& view
   const Lanes span = fourth_root(xsimd::sqrt(to2)) - first;
   Lanes sum(0.0F);
   for (int i = 0; i < rule.radii; ++i) {
-    const Lanes p = first + span * Lanes(rule.radius_places[i]);
+    const Lanes p = first + span * Lanes(rule.radius_positions[i]);
     const Lanes p3 = p * p * p;
     const Lanes z = p3 * p;
     const Lanes z2 = xsimd::min(z * z, Lanes(0.99999994F));

@@ -11,7 +11,7 @@ struct AlbedoRule {
   const float* azimuth_cosines;
   const float* azimuth_weights;
   int radii;
-  const float* radius_places;  ///< in (0, 1)
+  const float* radius_positions;  ///< in (0, 1)
   const float* radius_weights;
 };
 

@@ -100,9 +100,9 @@ class ChebyshevPoints {
  public:
   ChebyshevPoints(int count, double from, double to) {
     for (int k = 0; k < count; ++k) {
-      const math::SineCosine rotation = math::sine_cosine_of_turns((k + 0.5) / (2.0 * count));
-      positions_.push_back(0.5 * (from + to) - 0.5 * (to - from) * rotation.cosine);
-      weights_.push_back(k % 2 == 0 ? rotation.sine : -rotation.sine);
+      const math::SineCosine angle = math::sine_cosine_of_turns((k + 0.5) / (2.0 * count));
+      positions_.push_back(0.5 * (from + to) - 0.5 * (to - from) * angle.cosine);
+      weights_.push_back(k % 2 == 0 ? angle.sine : -angle.sine);
     }
   }
 

@@ -249,7 +249,7 @@ constexpr int kPartEdge = 4;    ///< of parts of a block, about each of which is
 constexpr int kMaxLevels = 6;   ///< areas within each other, the parts of a leaf included
 static_assert(LightField::kPoints == kLobeTexels);
 
-/// Calls `use` with the parts of an area, at most so many texels across and down.
+/// Calls `use` with the parts of an area, at most `across` by `down` texels.
 template <class Use>
 void for_each_part(const FaceArea& area, int across, int down, const Use& use) {
   for (int row = area.row; row < area.end_row; row += down) {

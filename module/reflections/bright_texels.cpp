@@ -33,7 +33,7 @@ constexpr double kMinPeak = 4.0;
 constexpr double kPart = 0.25;
 
 /// Lights of up to a third of the sphere are compared with the mean of the rest if they make the whole mean this much
-/// brighter. Next to a darker rest no float is right to a percent.
+/// brighter. With a darker rest no float is right to a percent.
 constexpr double kDarker = 2.0 / 3.0;
 constexpr double kOutshone = 250.0;
 constexpr double kBlack = 1e-9;

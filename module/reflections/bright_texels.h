@@ -23,7 +23,7 @@ struct BrightTexel {
 };
 
 /// Texels that are, or are part of, light so bright that float harmonics, and harmonics that end, would lose what is
-/// dark next to it: at most `most`, the brightest. `alpha` is the narrowest lobe's. By row and column. Throws
+/// dark relative to it: at most `most`, the brightest. `alpha` is the narrowest lobe's. By row and column. Throws
 /// `Error` (cancelled).
 [[nodiscard]] std::vector<BrightTexel> find_bright_texels(const projection::SanitizedSource& source, double alpha,
                                                           std::size_t most, const Control& control);

@@ -29,8 +29,8 @@ struct RingTableKey {
 /// as areas. The light of each point of a texel goes to `kSpread` columns of `kSpread` rings, in such shares that the
 /// moments below `kSpread` - 1 along both are those of the point. So what a function that is smooth over a few rings
 /// makes of the lat-long is what it makes of the cubemap: degree l is right to about 0.02 (l pi / rows)^4, and so a
-/// lobe needs no more rings than it is wide, however many texels the cube has. Values of single texels mean
-/// nothing; they may be below 0.
+/// lobe needs no more rings than it is wide, however many texels the cube has. Values of single texels of the lat-long
+/// mean nothing; they may be below 0.
 ///
 /// Sixteen mirror images and quarter turns have the same weights, so a sixteenth's are kept. Weights of faces so large
 /// that their table would take more than `kLargestTable` bytes are made again by each `fill`.

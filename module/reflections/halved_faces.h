@@ -1,4 +1,4 @@
-// Faces of a cubemap with half as many texels along an edge and, to lobes that are much wider, the same light.
+// Faces of a cubemap with half as many texels along an edge and, to lobes much wider than those, the same light.
 #pragma once
 
 #include <cstddef>

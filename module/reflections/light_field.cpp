@@ -75,7 +75,7 @@ LightField LightField::within(const FaceArea& area, const FaceArea& part) const 
 
 namespace {
 
-/// Returns each point's share of the values at the centres of so many texels.
+/// Returns each point's share of the values at the centres of `texels` texels.
 const auto& texel_shares(int texels) {
   using Shares = std::array<std::array<float, LightField::kMaxWidth>, LightField::kEdge>;
   static const auto kept = [] {

@@ -9,7 +9,7 @@
 
 namespace welkin::reflections {
 
-/// Places along a face, -1 to 1.
+/// Returns where the centre of a texel lies along a face, from -1 to 1.
 [[nodiscard]] constexpr double place_on_face(double texel, int size) noexcept {
   return (2.0 * texel + 1.0) / size - 1.0;
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr int kOrder = 4;         ///< points along a rule's edge
-constexpr double kWidest = 0.25;  ///< radius of a node: places on it are still all but linear in rows and columns
+constexpr double kWidest = 0.25;  ///< radius of a node: positions on it are still nearly linear in rows and columns
 constexpr double kMaxTurn = 0.1;  ///< the same for columns about a pole
 
 constexpr double kDefaultReach = 9.25;   ///< of `reach_for`
@@ -173,7 +173,7 @@ class LightTree {
         texel = std::max(texel, radius_of(points_[k].direction, box_of(k, k + 1)));
     }
     node.centre = centre;
-    node.radius = 1.0000001 * (radius + texel) + 1e-7;  // places are rounded
+    node.radius = 1.0000001 * (radius + texel) + 1e-7;  // positions are rounded
   }
 
   [[nodiscard]] std::size_t parted(const Box& box, std::size_t first, std::size_t end) {
@@ -246,7 +246,7 @@ class LightTree {
     return moments;
   }
 
-  /// Returns whether the texels are small together and each has all but the same colour and brightness.
+  /// Returns whether the texels are small together and all have nearly the same colour and brightness.
   [[nodiscard]] bool can_be_one_cut(const BrightLights::Node& node, std::size_t first, std::size_t end) const {
     constexpr float kEven = 4.0F;
     if (parts_ == 0 || end - first < kMinCutTexels || node.radius > most_cut_radius_) return false;

@@ -39,8 +39,8 @@ struct KernelTable {
   std::vector<float> twice_integrated;
   double cells_of_c = 0.0;
 
-  /// Radians: `Lobe::scale` of the bell whose fourth derivative is as large next to its peak as the kernel's is where
-  /// it has no break.
+  /// Radians: `Lobe::scale` of the bell whose fourth derivative is as large relative to its peak as the kernel's is
+  /// where it has no break.
   double smooth_scale = 0.0;
 
   [[nodiscard]] int cells() const noexcept { return static_cast<int>(lines.size() / 2); }

@@ -59,7 +59,7 @@ struct ChainTarget {
   ErrorBounds bounds;  ///< requested
 
   [[nodiscard]] Faces faces() const { return image::faces_of(chain, level); }
-  /// Returns the root mean square of its texels, of so many that none of the lobe's light lies between them.
+  /// Returns the root mean square of its texels, by samples so dense that none of the lobe's light lies between them.
   [[nodiscard]] double rms(const Lobe& lobe) const {
     constexpr double kSamplesOfWidth = 12.0;
     const double samples = std::clamp(kSamplesOfWidth / lobe.width_alpha(), 12.0, 128.0);

@@ -174,7 +174,7 @@ WELKIN_INLINE Lanes mean_at_horizon(const LobeBlock& texels, const SeenLight& se
   return differences / (Lanes(4.0F) * high * wide);
 }
 
-/// Mean of a kernel by Gauss' rule of so many points along an edge.
+/// Returns the mean of a kernel by Gauss' rule of `points` points along an edge.
 template <int points>
 WELKIN_INLINE Lanes mean_of_points(const LobeBlock& texels, const SeenLight& seen) {
   constexpr float node = points == 2 ? 0.577350269F : 0.774596669F;

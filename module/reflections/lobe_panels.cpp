@@ -198,7 +198,7 @@ void Lobe::measure() {
   hemisphere_ = broken && below == 0.0;
 }
 
-/// Decides by the ends of what it looks at, so that nothing between them is missed.
+/// Takes in the steps next to those where the lobe is seen, so that nothing between steps is missed.
 void Lobe::find_where_seen() {
   constexpr int kSteps = 32;  // of a panel
   nearest_ = 1.0;

@@ -395,9 +395,9 @@ class CloseShares {
   }
 
  private:
-  [[nodiscard]] WELKIN_INLINE Lanes side(int left) const {
-    return missed_by(lobe_, edge_between(Lanes::load_aligned(above_.x + left), Lanes::load_aligned(above_.y + left),
-                                         Lanes::load_aligned(below_.x + left), Lanes::load_aligned(below_.y + left)));
+  [[nodiscard]] WELKIN_INLINE Lanes side(int at) const {
+    return missed_by(lobe_, edge_between(Lanes::load_aligned(above_.x + at), Lanes::load_aligned(above_.y + at),
+                                         Lanes::load_aligned(below_.x + at), Lanes::load_aligned(below_.y + at)));
   }
 
   const SplitLobe& lobe_;

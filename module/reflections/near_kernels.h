@@ -10,7 +10,7 @@ namespace welkin::reflections {
 /// The far part of a lobe 1 / (q + s)^2, s = sin^2(theta / 2), is P(x) / end^2, x = (q + s) / end, for x < 1, and all
 /// of the lobe beyond: P(x) = Sum p_n (1 - x)^n meets 1 / x^2 there with its slope. The other coefficients leave the
 /// least energy beyond the bands that a narrow lobe's far part takes, weighted by its taper: the root mean square left
-/// out is 1.6e-4 of the far part's, and next to a lone light no more than 0.9 % of the lobe is missing anywhere.
+/// out is 1.6e-4 of the far part's, and around a lone light no more than 0.9 % of the lobe is missing anywhere.
 /// As 1 / x^2 = Sum (n + 1) (1 - x)^n, value and slope at x = 1 fix p_0 = 1 and p_1 = 2.
 inline constexpr int kFarTerms = 6;
 inline constexpr float kFarPart[kFarTerms] = {1.0F, 2.0F, 2.2343F, 4.6169F, -1.4649F, 3.9246F};
@@ -125,7 +125,7 @@ struct NearKernels {
   GroupKernels<CubeGroup> cube;
   GroupKernels<LatLongGroup> lat_long;
 
-  /// Scales each direction's weights of so many texels, [texels][16], to a sum of its own.
+  /// Scales each direction's weights, [texels][16], to a sum of its own.
   void (*scale)(float* weights, int texels, const float* sums);
   SumRuns sum_runs;
 };

@@ -204,7 +204,7 @@ void NearRecords::copy_of_lat_long(const std::vector<const float*>& rows, const 
   const image::CubeImage how = image::cube_image_of(image);
   const int row = how.below ? split_.rows - 1 - piece.row : piece.row;
   // Columns follow the longitude atan2(x, z) downwards. A mirror, x to -x, negates it: column c goes to columns - 1 -
-  // c. A quarter turn from x towards z takes (x, z) to (-z, x) and 90 degrees off it, columns / 4 more. A run
+  // c. A quarter turn from x towards z takes (x, z) to (-z, x): 90 degrees less, which are columns / 4 more. A run
   // of columns that crosses the row's end is copied in two.
   int column = (how.mirrored ? columns - 1 - first : first) + how.quarter * (columns / 4);
   column = ((column % columns) + columns) % columns;

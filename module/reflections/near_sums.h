@@ -68,7 +68,7 @@ void add_near_sums(const std::vector<const float*>& rows, const std::vector<Near
 /// take about as long. `rows`: of a lat-long; 0: a cubemap. Texels that are large relative to the near part count as
 /// several, so the split has more of them, and a lat-long's columns divide by four.
 [[nodiscard]] NearSplit near_far_split(int columns, int rows, int size, double alpha);
-/// Returns about what one thread takes: for the mip, or for any by so many bands of harmonics alone.
+/// Returns about the milliseconds of one thread: for a mip by that split, or for any by harmonics of `bands` alone.
 [[nodiscard]] double milliseconds_of(const NearSplit& split) noexcept;
 [[nodiscard]] double milliseconds_of_harmonics(int bands) noexcept;
 

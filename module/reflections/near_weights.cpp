@@ -17,8 +17,8 @@ constexpr std::size_t kLanes = simd::kLanes;
 constexpr std::size_t kGroupsPerTile = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Texels that are wide relative to the lobe are integrated in closed form, and finely for some way on: their middles
-// lie so many texels from the direction. Others are integrated finely next to it.
+// Texels that are wide relative to the lobe are integrated in closed form up to kClose texels from the direction, and
+// finely up to kFine. Others are integrated finely up to kClose.
 constexpr double kMaxTexel = 2.5;  ///< over alpha
 constexpr int kClose = 2;
 constexpr int kFine = 4;
@@ -33,8 +33,8 @@ int whole_below(double number) {
 int whole_above(double number) { return -whole_below(-number); }
 
 /// Returns a position clear of lines between texels: 2^-23 of a texel (1.2e-7) away, much less than the narrowest lobe
-/// is wide. On a line, `cross` of an edge would be 0 or rounding's, and a texel that has the direction could not be
-/// told from its neighbour by the signs of its edges. The error of that move is part of the estimate
+/// is wide. On a line, `cross` of an edge would be 0 or rounding's, and the signs of a texel's edges could not
+/// show whether it or its neighbour has the direction. The error of that move is part of the estimate
 /// (`error_of_weights`).
 double clear_of_lines(double position) {
   const double line = whole_below(position + 0.5);
@@ -178,7 +178,7 @@ Interval across_cone(double x, double z, const math::SineCosine& reach) {
   return {-kInfinity, product / (x * z - root)};
 }
 
-/// Returns the union of a range and of another that is counted from an offset on.
+/// Returns the union of a range that is counted from `offset` on, as the result is, and of another that is not.
 ColumnRange with(const ColumnRange& range, const ColumnRange& other, int offset) {
   return {std::min(range.first, other.first - offset), std::max(range.end, other.end - offset)};
 }

@@ -251,7 +251,7 @@ double square_beyond(const EnergyBeyond& beyond, const MipPlan& mip, const std::
   return energy * value * value;
 }
 
-/// Square of the error by what the spectrum knows, times 4 pi.
+/// Returns the square of the error that the spectrum shows, times 4 pi.
 double spectral_square(const MipPlan& mip, std::span<const double> energies, const EnergyBeyond& beyond,
                        const std::optional<RingLosses>& source) {
   const int bands = mip.bands.bands();
@@ -352,7 +352,7 @@ double error_of_bands(const SpectralSource& source, int bands, MipPlan& mip) {
   mip.bands.zonal = mip.lobe->spectrum(bands);
   for (int l = 0; l < bands && mip.lobe->last_band() == 0; ++l)
     mip.bands.zonal[static_cast<std::size_t>(l)] *= taper(l, bands);
-  // The dark next to lights is to be right too.
+  // Dark parts next to lights are to be right too.
   const double rest = blurred_rms(source.energies, mip.bands.zonal);
   return spectral_rms_error(mip, source, error_beyond(mip, source.energies), rest);
 }

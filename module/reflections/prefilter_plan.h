@@ -55,7 +55,7 @@ struct PrefilterPlan {
   int tightenings = 0;         ///< of the bounds that GGX lobes' spectral mips are made for: see `tightened`
 
   /// Bands of the transform that all spectral mips share; 0: none is made. Those of the whole chain, as which rings
-  /// take part and in which groups they are summed follows from it: coefficients of low bands round otherwise in a
+  /// take part and in which groups they are summed follows from them: coefficients of low bands round otherwise in a
   /// transform of fewer.
   int bands = 0;
 
@@ -87,16 +87,16 @@ struct PrefilterPlan {
   /// Size of the whole chain's largest narrow mip, whose far part has the most bands; 0: there is none.
   int near_far_size = 0;
 
-  /// Returns the plan without so many mips at either end. The others keep their bits: all that they depend on stays
-  /// that of the whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
+  /// Returns the plan without `sharp` and `rough` mips at its ends. The others keep their bits: all that they depend on
+  /// stays that of the whole chain. Throws `Error` (invalid_argument) unless one mip at least is left.
   [[nodiscard]] PrefilterPlan without(int sharp, int rough) const;
 
   /// Returns the bounds that spectral mips of GGX lobes are made for.
   [[nodiscard]] ErrorBounds tight() const noexcept { return bounds.tightened(tightenings); }
-  /// Returns the plan by which mips are made that the steps before do not serve, up to step `kMaxTightenings`: of GGX
-  /// lobes, for an image with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which
-  /// those and fewer harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose
-  /// bands the image decides: step 0 is where it begins, any other no image makes it exceed.
+  /// Returns the plan for mips that earlier steps do not serve, up to step `kMaxTightenings`: of GGX lobes, for an
+  /// image with more energy than most, or with dark parts. On cubemaps near sums serve lobes for which those and fewer
+  /// harmonics are cheaper; step 0 makes all narrow mips by them. Other lobes have one step, whose bands the image
+  /// decides: step 0 has the bands that it begins with, any later step the most that it may come to.
   [[nodiscard]] PrefilterPlan at_step(int step, const ImageShape& image) const;
 
   /// Returns whether a mip is made by this method.

@@ -32,7 +32,7 @@ int halved_to(int face, double minimum, const ErrorBounds& bounds) noexcept {
   return face;
 }
 
-/// Returns alpha of the GGX lobe that takes so many bands at the default bounds.
+/// Returns alpha of the GGX lobe that takes `bands` bands at the default bounds.
 double alpha_of_bands(int bands) noexcept {
   return std::clamp(reach_within({}) / (2.0 * std::max(1, bands)), kMinAlpha, 1.0);
 }
@@ -217,7 +217,7 @@ PrefilterPlan largest(PrefilterPlan plan) {
 
 PrefilterPlan PrefilterPlan::at_step(int step, const ImageShape& image) const {
   if (lights.of != LightsOf::ggx) return step > 0 ? largest(*this) : *this;
-  constexpr int kMaxEdgeSearched = 64;  // `ImageSums` tell what few bands do not
+  constexpr int kMaxEdgeSearched = 64;  // `ImageSums` show what few bands do not
   PrefilterPlan plan = step > 0 ? reflections::tightened(*this, step) : *this;
   const bool unseen = !image.cubemap || image.columns > kMaxEdgeSearched;
   if (step == 0 && bands > 0 && unseen) plan.bands = std::max(bands, bands_for_dark(bounds));

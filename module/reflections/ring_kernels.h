@@ -46,7 +46,7 @@ struct RingLayout {
 
 /// Shares of texels that lie 7/4, 5/4, 3/4 and 1/4 of a large texel from its middle.
 inline constexpr float kHalvedShares[4] = {-6.0F / 128.0F, -10.0F / 128.0F, 34.0F / 128.0F, 110.0F / 128.0F};
-/// Coefficients of what would lie beyond the face's edge, once and twice: parabolas through the first three within
+/// Coefficients of the light one and two large texels beyond the face's edge: parabolas through the first three within
 /// it, by which uniform light stays uniform and moments up to the second remain. They are the Lagrange polynomials of
 /// the positions 0, 1 and 2 at -1 and -2: a parabola there is the same combination of its values within.
 inline constexpr int kFolded = 3;

@@ -25,10 +25,10 @@ using Polynomial = std::array<double, kSharePowers>;  ///< the lowest power firs
 /// With A[k][j] the mean of x^j over cell k and B the inverse, w_k(x) = Sum_j B[j][k] x^j are shares whose light, as
 /// areas of the cells, has the moments Sum_k w_k A[k][i] = Sum_j x^j Sum_k B[j][k] A[k][i] = x^i, i = 0 to 3: those of
 /// a point at x, so that every cubic keeps its value there. The fourth moment of columns differs from x^4 by -10/21 in
-/// the mean over all points of `blended` shares (-0.8 at most), in cells: a wave of k radians per cell loses 10/21 k^4
-/// / 24 = 0.0198 k^4 along an axis. Columns narrow with the sine of the polar angle, whose fourth power has the mean
-/// 8/15 over the sphere, and the cosine's of a wave's direction has 3/8: degree l loses 0.0198 3/8 (1 + 8/15) (l h)^4 =
-/// 0.0114 (l h)^4, h a ring's height. `kSpreadOrder`, a fit, is 0.012.
+/// the mean over all positions of `blended` shares (-0.8 at most), in cells: a wave of k radians per cell loses 10/21
+/// k^4 / 24 = 0.0198 k^4 along an axis. Columns narrow with the sine of the polar angle, whose fourth power has the
+/// mean 8/15 over the sphere, and the cosine's of a wave's direction has 3/8: degree l loses 0.0198 3/8 (1 + 8/15) (l
+/// h)^4 = 0.0114 (l h)^4, h a ring's height. `kSpreadOrder`, a fit, is 0.012.
 using Spreading = glm::dmat4;
 static_assert(kCells == 4);
 
@@ -95,7 +95,7 @@ double at_end(const Polynomial& p) {
 }
 
 /// From one group's shares to the next one's where a point is half way through a cell, so that all shares are smooth;
-/// of the point from the middle of the cell in the middle. Both groups have the point's moments, so every mean of
+/// of the position from the middle of the cell in the middle. Both groups have the point's moments, so every mean of
 /// theirs has them too; the quintic's first and second derivative are 0 at both ends. Its product with a cubic has the
 /// degree 8, and 9 when it is integrated; times a cubic for the sine, 11 and 12: `kSharePowers` is 13.
 std::array<Polynomial, kSpread> blended(const Spreading& before, const Spreading& after) {

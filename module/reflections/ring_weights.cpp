@@ -22,7 +22,7 @@ constexpr int kBandRings = 32;      ///< texels at a band's ends are weighed twi
 constexpr double kGaussPoint = 0.57735026918962576;  ///< of a rule of two points, from the middle
 constexpr int kEighths = 8;                          ///< of a turn: the columns of a sixteenth
 
-/// Places in cells as a cell and what is left, from its middle.
+/// Splits positions, in cells, into a cell and the rest from its middle.
 void split(const double* positions, int count, int last_cell, int* cells, float* rest) {
   for (int i = 0; i < count; ++i) {
     cells[i] = std::clamp(static_cast<int>(positions[i]), 0, last_cell);
@@ -98,7 +98,7 @@ void RingWeights::EdgeLine::find_longitudes(int count, bool mirrored) {
 void RingWeights::EdgeLine::cut(int first, int end, double height, bool mirrored) {
   if (first >= end) return;
   const auto per_column = weights_.columns_ / (2.0 * std::numbers::pi);
-  // The angles at an edge's ends tell the number of its parts.
+  // The angles at an edge's ends decide the number of its parts.
   std::size_t k = 0;
   for (int index = first; index < end; ++index) {
     for (const double position : {edge(index).from, edge(index).to}) {

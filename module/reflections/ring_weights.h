@@ -14,7 +14,7 @@ namespace welkin::reflections {
 /// Polynomials of the shares that the `kSpread` cells about a point have of its light: along both axes in such shares
 /// that the moments below `kSpread` - 1 are the point's own (about the poles nearly so: uniform light is uniform
 /// there). They pass smoothly from one `kSpread` - 1 neighbours to the next ones. All are [cell][power][lane],
-/// `kSharePowers` and `kShareLanes`, the highest power first, of the point from the cell's middle; lane k stands for
+/// `kSharePowers` and `kShareLanes`, the highest power first, of the position from the cell's middle; lane k stands for
 /// the cell k - `kSpread` / 2 further on.
 struct RingShares {
   /// `rows`: rings from pole to pole; twice as many columns.
@@ -25,7 +25,7 @@ struct RingShares {
   /// Cells 0 to rows / 2: shares of the rings over the ring's area, integrated over the sphere from the pole to the
   /// point. Rings go on beyond the pole.
   std::vector<float> rings_before;
-  std::vector<float> whole;  ///< of ring k - 2, to rows / 2 + 2: the same integral over all points
+  std::vector<float> whole;  ///< of ring k - 2, to rows / 2 + 2: the same integral over all positions
 };
 
 /// The texels of a sixteenth of the cube, from -Z's middle towards +x and up to +Y, and the weights with which they and

@@ -179,7 +179,7 @@ double unclamped(const DensityLayer& layer, double altitude) noexcept {
   return value;
 }
 
-/// Returns where the formula, monotone between `low` and `high`, passes `level`: by bisection, to the last bit.
+/// Adds where the formula, monotone between `low` and `high`, passes `level`: by bisection, to the last bit.
 void add_crossing(const DensityLayer& layer, double level, double low, double high, std::vector<double>& breaks) {
   const double first = unclamped(layer, low);
   const double last = unclamped(layer, high);
@@ -201,8 +201,8 @@ double turning_point(const DensityLayer& layer) {
 }
 
 void add_clamps(const DensityLayer& layer, double bottom, double top, std::vector<double>& breaks) {
-  const double rotation = turning_point(layer);  // not finite or outside: monotone
-  const double middle = rotation > bottom && rotation < top ? rotation : top;
+  const double extremum = turning_point(layer);  // not finite or outside: monotone
+  const double middle = extremum > bottom && extremum < top ? extremum : top;
   for (const double level : {0.0, 1.0}) {
     add_crossing(layer, level, bottom, middle, breaks);
     if (middle < top) add_crossing(layer, level, middle, top, breaks);

@@ -22,7 +22,7 @@ class CurveAxis {
     int interval;
     double part;  ///< 0 to 1
   };
-  /// Returns the position of a sine; below the lowest node as there.
+  /// Returns the position of a sine; one below the lowest node counts as that node's.
   [[nodiscard]] Position place(double sine) const noexcept;
 
  private:

@@ -97,7 +97,7 @@ WELKIN_INLINE NodeFraction sun_lookup(const SunAxis& axis, Lanes zenith_cosine) 
   return place_among((x - Lanes(high) * bent) * Lanes(static_cast<float>(axis.nodes - 1)), axis.nodes);
 }
 
-// Places are computed across texels; then each texel takes its four channels with one load a node, which beats
+// Positions are computed across texels. Then each texel loads its four channels with one load per node, which beats
 // gathering them channel by channel on every instruction set.
 void add_sunlight(const SunlitSample& sample, int nodes, const SkySuns& suns, float* slice, float* sums) {
   make_slice(sample, nodes, slice);

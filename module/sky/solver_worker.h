@@ -64,7 +64,7 @@ struct SourceSolver::Worker {
   std::vector<float> rays;       ///< a ring with the ground's light: [3][azimuths][block]
   std::vector<float> values;     ///< [pairs]
   std::vector<float> harmonics;  ///< [pairs][3][block]
-  std::vector<float> lobed;      ///< [pairs][3][block]: times each wavelength's own lobe's moments, where lobes differ
+  std::vector<float> lobed;      ///< [pairs][3][block]: harmonics times moments of each one's lobe, where they differ
   std::vector<float> aerosol;    ///< [m][3][block]: for one zenith, folded
 };
 

@@ -91,7 +91,7 @@ void SourceSolver::gather(const Control& control) {
 // azimuth 0. On n midpoints cos((2 n - k) phi) = -cos(k phi), and cos(n phi) = 0: orders of m >= n cannot be told from
 // lower ones. Two sums can be made of such light, for the addition theorem gives Sum_lm chi_l c(l, m) Y(l, m)(v) =
 // Sum_ij w_ij L_ij p(v.w_ij) over the directions w_ij, p of so many bands, if all m <= l are projected, and the
-// integral of p times the trigonometric polynomial through L if only m < n are. Neither knows what L has at m >= n.
+// integral of p times the trigonometric polynomial through L if only m < n are. Neither contains what L has at m >= n.
 // Where an order of scattering is followed along fewer azimuths than `shape_.azimuths`, only m < n are projected: by
 // all m, tables would differ by 1.5 to 40 times as much from tables of 40 azimuths. Along all of them, of which n is 10
 // (compact tables) or 16, neither sum is better throughout. Root mean square difference of scattered light to tables of

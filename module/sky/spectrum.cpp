@@ -114,7 +114,7 @@ std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm) 
   for (std::size_t i = 1; i < positions.size(); ++i) {
     const double width = positions[i] - positions[i - 1];
     if (!(width > 0.0)) continue;
-    // Between two bends the integrand is the product of two lines: Gauss's rule of two points is exact, and never asks
+    // Between two bends the integrand is the product of two lines: Gauss's rule of two points is exact, and has none
     // at the bends themselves.
     // The nodes are 1/2 -+ 1 / (2 sqrt(3)), with weights of 1/2: exact to degree 3.
     for (const double at : {0.21132486540518713, 0.78867513459481287}) {

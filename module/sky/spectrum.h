@@ -18,7 +18,7 @@ void check_wavelengths(const std::vector<double>& wavelengths_nm);
 
 /// Returns weights that convert radiances (W/m2/sr/nm) at an atmosphere's wavelengths to linear sRGB luminance (cd/m2):
 /// the sum of weights[i] times radiance i. The spectrum is linear between wavelengths and constant outside. Throws
-/// `Error` (invalid_argument) for wavelengths that `check` refuses.
+/// `Error` (invalid_argument) for wavelengths that `check_wavelengths` refuses.
 [[nodiscard]] std::vector<glm::dvec3> srgb_weights(const std::vector<double>& wavelengths_nm);
 
 // The three channels of a computed sky: three wavelengths' own, or a spectrum folded to linear sRGB.

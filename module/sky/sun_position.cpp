@@ -245,7 +245,7 @@ class Reader {
       refuse(std::string("lacks '") + c + "' where it ends or has \"" + std::string(rest_.substr(0, 8)) + '"');
   }
 
-  /// So many digits, at most `highest`.
+  /// Reads `digits` digits; throws unless the number is from `lowest` to `highest`.
   int number(const char* what, std::size_t digits, int lowest, int highest) {
     int value = 0;
     for (std::size_t k = 0; k < digits; ++k) {

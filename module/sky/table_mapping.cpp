@@ -13,7 +13,7 @@ double unit(double x) { return std::min(1.0, std::max(0.0, x)); }
 double cosine(double x) { return std::min(1.0, std::max(-1.0, x)); }
 double sine_of(double x) { return std::sqrt(std::max(0.0, (1.0 - x) * (1.0 + x))); }
 
-/// Minimum height of the top that suns' paths are measured to, in radii of the ground: a little below Earth's air's.
+/// Minimum height of the top that suns' paths are measured to, in radii of the ground: a little below that of Earth's.
 constexpr double kThinnestForSuns = 0.008;
 
 /// T / H of shells below which views' coordinates are bent, and how much.

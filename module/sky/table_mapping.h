@@ -49,7 +49,7 @@ struct Ray {
 };
 
 /// The axes of a scattering table that have so many nodes that they crowd where light is sharp. Only `table_nodes`
-/// (sky/table_sizes.h) may decide it from options.
+/// (sky/table_sizes.h) may derive them from options.
 struct TableNodes {
   bool many_views = false;
   bool many_suns = false;
@@ -124,7 +124,7 @@ class TableMapping {
   [[nodiscard]] double sun_zenith_cosine(double coordinate) const noexcept;
   [[nodiscard]] const SunTerms& sun_terms() const noexcept { return sun_terms_; }
 
-  /// Without the nodes for the disc, whose setting does not show in light that was scattered before.
+  /// The coordinate without the nodes for the disc, whose setting does not show in light that was scattered before.
   [[nodiscard]] double smooth_sun_coordinate(double sun_zenith_cosine) const noexcept;
   [[nodiscard]] double smooth_sun_zenith_cosine(double coordinate) const noexcept;
   [[nodiscard]] const SunTerms& smooth_sun_terms() const noexcept { return smooth_sun_terms_; }

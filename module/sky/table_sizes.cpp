@@ -102,7 +102,7 @@ SourceShape source_shape(const SkyTableOptions& options, NarrowLobe lobe) noexce
   const int suns = (std::clamp(options.sun_zeniths, 16, 48) + 15) / 16 * 16;
   const bool small = options.heights < 12 || options.view_zeniths < 16;
   // With a lobe that is narrow forward, light of a low sun changes fast with the height, and about the horizontal: 16
-  // heights leave low places next to it 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
+  // heights leave low places near the sun 2 % too dark, zenith angles 6 degrees apart those near the horizon 3 %.
   const bool narrow = lobe != NarrowLobe::none;
   const bool fine = lobe == NarrowLobe::forward && !small;
   // Compact tables, which have no azimuth, are wrong by more than what fewer nodes lose.

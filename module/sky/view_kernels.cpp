@@ -240,7 +240,7 @@ WELKIN_INLINE void store_row(Row row, float* to) {
   for (int i = 0; i < Row::kRegisters; ++i) row.part[i].store_unaligned(to + i * kNarrowWidth);
 }
 
-/// Returns the weighted sum of four rows, limited to the two in the middle, between which the position lies.
+/// Returns the weighted sum of four rows, limited by kMin and kMax about the two that the position lies between.
 WELKIN_INLINE Row cubic(const Row* rows, const CubicTaps& taps) {
   Row sum = nothing();
   for (int i = 0; i < 4; ++i) sum = plus(sum, taps.weights[i], rows[i]);

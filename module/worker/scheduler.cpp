@@ -34,7 +34,7 @@ void check(const WorkerOptions& options) {
   const char* what = options.executor ? "WorkerOptions: the executor's concurrency" : "WorkerOptions: threads";
   platform::require_between(what, threads, minimum, kMaxThreads);
   if (options.max_jobs == 0) {
-    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at minimum 1");
+    throw Error(ErrorCode::invalid_argument, "WorkerOptions: max_jobs is 0; it must be at least 1");
   }
 }
 
@@ -507,7 +507,7 @@ void Scheduler::wake_workers(AfterUnlock& work) {
     state.work.refused = true;
     lent_ -= tasks;
     unstarted_ -= tasks;
-    // A task that is there yet will ask again when it ends. If there is none, nothing will.
+    // A task that is still there requests more when it ends. If there is none, nothing will.
     for (ComputationList& list : waiting_) {
       while (lent_ == 0 && !list.empty()) {
         end(std::shared_ptr<Computation>(list.front()), std::current_exception(), state.work);

@@ -41,8 +41,8 @@ struct AfterUnlock {
   std::shared_ptr<Computation> stopping;  ///< whose results are not needed any more: the first, and `next_to_stop`
   int startable = 0;                      ///< how many have begun to wait for a thread
   int tasks = 0;                          ///< to be handed to the executor
-  bool refused = false;                   ///< the executor has just refused a task: do not ask again at once
-  bool news = false;                      ///< for those who wait
+  bool refused = false;                   ///< the executor has just refused a task: no further one is tried at once
+  bool news = false;                      ///< for threads that wait
 };
 
 using JobsByKey = std::map<JobKey, std::shared_ptr<JobRecord>, std::less<>,
@@ -98,8 +98,8 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void wait(const JobRecord& job);
   std::size_t drain(std::chrono::nanoseconds budget);
   void terminate();
-  /// Called after `terminate`, when the worker goes. Drops what was not drained, lets go of threads not to be waited
-  /// for because this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
+  /// Called after `terminate`, when the worker goes. Drops what was not drained, and lets go of threads that cannot be
+  /// waited for, as this is one of them. In a fork both do nothing: what is here stays as it is, for ever.
   void abandon_rest();
   void wait_until_idle();
   [[nodiscard]] WorkerLoad load();
@@ -117,7 +117,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   /// deferred is carried out, and what came in meanwhile is let in.
   class LockedState {
    public:
-    /// Throws `Error` (stopped) in a fork of the worker's process: who holds the mutex there will never let go of it.
+    /// Throws `Error` (stopped) in a fork of the worker's process, where the mutex may stay locked for ever.
     explicit LockedState(Scheduler& scheduler) : LockedState(scheduler, scheduler.locked()) {}
     LockedState(Scheduler& scheduler, Lock lock);  ///< `lock` may hold nothing
     ~LockedState();
@@ -149,7 +149,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   [[nodiscard]] bool reserve(std::uint64_t bytes, std::size_t freed_jobs = 0, std::uint64_t freed_bytes = 0) noexcept;
   void settle(JobRecord& job);
 
-  // Giving jobs up, and what follows when they are done. With the mutex held, but for `carry_out`.
+  // Cancelling jobs, and what follows when they are done. With the mutex held, but for `carry_out`.
   bool withdraw(std::shared_ptr<JobRecord> job, ErrorCode reason, AfterUnlock& work);
   static void stop(const std::shared_ptr<Computation>& computation, AfterUnlock& work);
   void dispatch_followers(JobRecord& job, AfterUnlock& work);
@@ -174,7 +174,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   void plan_calls(AfterUnlock& work);
   void wake_workers(AfterUnlock& work);
   static void run_task(void* task);
-  /// Tells those who wait for something that it may have come.
+  /// Wakes threads that wait for something that may have come.
   void signal();
   /// Waits until `done()`.
   template <class Done>
@@ -195,7 +195,7 @@ class Scheduler : public std::enable_shared_from_this<Scheduler> {
   std::array<ComputationList, 3> waiting_;  ///< by priority
   ComputationList running_;
   ComputationList drained_;                ///< callbacks for the next `drain`
-  std::atomic<std::size_t> undrained_{0};  ///< how many these are, for who does not hold the mutex
+  std::atomic<std::size_t> undrained_{0};  ///< how many these are, readable without the mutex
   JobsByKey newest_;                       ///< job in flight of each key
   int lent_ = 0;                           ///< tasks that the executor has, or runs
   int unstarted_ = 0;                      ///< of these, that it has not called yet

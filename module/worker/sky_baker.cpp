@@ -140,7 +140,7 @@ void SkyBaker::run(const Control& control) {
     post();
   } catch (...) {
     const std::scoped_lock lock(mutex_);
-    error_ = std::current_exception();  // no memory for a request; the request has told the rest
+    error_ = std::current_exception();  // no memory for a request, whose end called `dropped`
   }
 }
 

@@ -16,7 +16,7 @@
 
 namespace welkin::detail {
 
-/// Returns whether `threads` busy threads leave a processor for another one. If not, none keeps one while it waits.
+/// Returns whether `threads` busy threads leave a processor for another. If not, a thread that waits yields its own.
 [[nodiscard]] inline bool leaves_a_processor(int threads) {
   const platform::FloatingPointScope floating_point;  // counting processors divides
   return threads < available_threads();
@@ -73,9 +73,9 @@ class ThreadExecutor {
   ThreadPriority priority_;
   std::string name_;
   tbb::task_arena arena_;
-  bool looks_;                     ///< whether a thread that looks takes no processor from who posts
+  bool looks_;                     ///< whether a thread that looks takes no processor from one that posts
   tbb::task_handle looking_;       ///< blocks nothing: in the sleeper of a thread that only looks
-  std::vector<Sleeper> sleepers_;  ///< one a thread; null while the thread does not wait
+  std::vector<Sleeper> sleepers_;  ///< one per thread; null while the thread does not wait
   std::atomic<bool> dismissed_{false};
 
   std::mutex threads_mutex_;  ///< only one may join, and all wait for that
