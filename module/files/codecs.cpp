@@ -1,4 +1,4 @@
-// The formats that this build can read and write, and stubs for codecs that it was built without.
+// The formats that this build can read and write, and refusals for codecs that it was built without.
 // WELKIN_EXR, WELKIN_PNG, WELKIN_WEBP, WELKIN_ZLIB, WELKIN_ZSTD, WELKIN_ASTC and WELKIN_JPEG are 1 or 0; no other
 // source reads them.
 #include "files/codecs.h"
@@ -95,7 +95,7 @@ std::uint64_t most_unpacked(Supercompression supercompression, std::uint64_t pac
   return packed_bytes > most / ratio ? most : packed_bytes * ratio;
 }
 
-// The stubs below are reached only where `require_codec` was not called before; the linker needs them.
+// The refusals below are reached only where `require_codec` was not called before; the linker needs them.
 
 #if !WELKIN_EXR
 std::unique_ptr<RowSource> open_exr(platform::ByteFile& file, const ReadOptions& /*options*/) {
